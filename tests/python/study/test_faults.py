@@ -245,5 +245,8 @@ def test_a_call_that_always_fails_stops_the_study(files):
     def fails(plan, tile, block):
         raise RuntimeError("made to fail")
 
-    with replaced(of_tasks, "computed", fails), pytest.raises(studies.StudyStoppedError, match="made to fail.*kept"):
+    with (
+        replaced(of_tasks, "compute_task", fails),
+        pytest.raises(studies.StudyStoppedError, match="made to fail.*kept"),
+    ):
         run(folder / "fails", **settings, **WORK)

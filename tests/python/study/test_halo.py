@@ -99,7 +99,8 @@ def test_a_ridge_seventy_kilometres_away(ridge):
     plan = study.plan
     part = plan.receivers.tile(0).parts[0]
     box = np.array([*part.xyz[:, :2].min(axis=0), *part.xyz[:, :2].max(axis=0)])
-    found, _ = plan.decider.pyramid.that_matter(box, 0.0, plan.suns.towards[0].astype(float), PLANE, plan.decider.pad)
+    pyramid, towards = plan.decider.pyramid, plan.suns.towards[0].astype(float)
+    found, _ = pyramid.tiles_that_can_shadow(box, 0.0, towards, PLANE, plan.decider.pad)
     assert len(found) < len(plan.casters), "flat tiles between are left out"
     assert plan.survey.tops[found].max() == 4000
 
@@ -143,7 +144,7 @@ def test_no_caster_that_matters_is_left_out(tiles, receivers, azimuth, elevation
     box, lowest = np.array(boxed(receivers)), receivers[4]
     a, e = math.radians(azimuth), math.radians(elevation)
     sun = np.array([math.sin(a) * math.cos(e), math.cos(a) * math.cos(e), math.sin(e)])
-    found, hit = Pyramid(casters, tops).that_matter(box, lowest, sun[None], PLANE, 0.01)
+    found, hit = Pyramid(casters, tops).tiles_that_can_shadow(box, lowest, sun[None], PLANE, 0.01)
     one_by_one = np.array([rises_above(c, t, box, np.float64(lowest), sun, 0.01) for c, t in zip(casters, tops)])  # noqa: B905
     assert found.tolist() == np.flatnonzero(one_by_one).tolist() and hit.all()
     rng = np.random.default_rng(seed)

@@ -214,6 +214,23 @@ def test_the_sky_above_flat_ground_and_beside_a_wall(tmp_path):
     assert (np.diff(share[21:40, 20]) >= 0).all()
 
 
+def test_points_that_nothing_can_shadow_face_by_their_normals(tmp_path):
+    """Points high above the only house: no caster is loaded. Whole numbers, so that many suns lie in a point's plane."""
+    corners = houses()[0].reshape(-1, 3)
+    trimesh.Trimesh(corners, np.arange(len(corners)).reshape(-1, 3), process=False).export(tmp_path / "m.obj")
+    rng = np.random.default_rng(12)
+    normals = rng.integers(-3, 4, (70, 3))
+    normals = normals[normals.any(axis=1)]
+    towards = np.concatenate([rng.integers(-4, 5, (45, 2)), rng.integers(1, 5, (45, 1))], axis=1)
+    np.savetxt(tmp_path / "suns.csv", -towards, delimiter=",", fmt="%d")
+    points = np.array(OFFSET) + [100, 100, 5000] + rng.integers(0, 99, normals.shape)
+    np.save(tmp_path / "p.npy", np.concatenate([points, normals], axis=1).astype(float))
+    study = run(tmp_path / "s", meshes=[str(tmp_path / "m.obj")], mesh_offset=OFFSET, receivers="points",
+                points=str(tmp_path / "p.npy"), directions=str(tmp_path / "suns.csv"))  # fmt: skip
+    expected = towards @ normals.T
+    assert (bits(study) == (expected > 0)).all() and (expected == 0).sum() > 100
+
+
 def test_bare_points_equal_the_oracle(tmp_path):
     rng = np.random.default_rng(2)
     triangles = houses()[0] + OFFSET

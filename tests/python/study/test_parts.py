@@ -15,7 +15,7 @@ from gnomon.studies.decide import steps_of
 from gnomon.studies.facing import GridFacing
 from gnomon.studies.rasters import faces_of_grid, open_mosaic
 from gnomon.studies.settings import Settings, read_toml, settings_of
-from gnomon.studies.suns import Suns, on_disk, suns_of, whole_weights, zone_of
+from gnomon.studies.suns import Suns, samples_of_disks, suns_of, zone_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from made import UTM, write_raster, write_suns
@@ -229,14 +229,15 @@ def test_saved_suns_are_the_same(tmp_path):
 
 
 def test_whole_weights():
-    whole, exponent = whole_weights(np.array([0.1, 1e-9, 3.5]))
+    whole, exponent = gnomon._gnomon.round_weights(np.array([0.1, 1e-9, 3.5]))
     assert np.abs(np.ldexp(whole.astype(float), exponent) - [0.1, 1e-9, 3.5]).max() < 1e-15
-    assert int(np.abs(whole).sum()) < 2**62
+    assert 2**59 < int(np.abs(whole).sum()) <= 2**62
+    assert gnomon._gnomon.round_weights(np.zeros(3))[0].tolist() == [0, 0, 0]
 
 
 def test_the_disk_of_the_sun():
     towards = np.array([[0.6, 0.0, 0.8], [0.0, 0.0, 1.0]])
-    found = on_disk(towards, 200).reshape(2, 200, 3)
+    found = samples_of_disks(towards, 200).astype(float).reshape(2, 200, 3)
     found /= np.linalg.norm(found, axis=2, keepdims=True)
     angle = np.degrees(np.arccos(np.minimum((found * towards[:, None]).sum(axis=2), 1)))
     assert angle.max() < 0.533 / 2 and angle.max() > 0.26
@@ -271,9 +272,10 @@ def test_a_mosaic_reads_like_one_file(tmp_path):
         (dict(step="2 weeks"), "step: '2 weeks' is not a number of minutes"),
         (dict(colour="red"), "colour: there is no such setting"),
         (dict(directions=__file__), "suns: give start and end, or directions, or sky"),
-        (dict(outputs=["hours", "pictures"]), r"outputs: \['pictures'\]: must be some of hours, bits, weights"),
+        (dict(outputs=["hours", "pictures"]), r"outputs: \['pictures'\]: must be any of hours, bits, weights"),
         (dict(lattice=0.001), "lattice: the step 0.001 is not a power of two"),
         (dict(end=None), "start, end: one needs the other"),
+        (dict(sky=17, start=None, end=None), "sky: 17 is not between 0 and 16"),
         (dict(sun_disk=8, outputs=["bits"]), "a sun disk gives shares"),
         (dict(receivers="points"), 'receivers: "points" needs points='),
     ],
@@ -298,7 +300,7 @@ def test_a_file_of_settings(tmp_path):
     [
         (lambda f: write_raster(f / "r.tif", np.zeros((3, 3)), crs="EPSG:4326", cell=0.1, west=9, north=47),
          "are not metres on a map"),
-        (lambda f: write_raster(f / "r.tif", np.zeros((3, 3)), crs=None), "crs: the sun's place needs one"),
+        (lambda f: write_raster(f / "r.tif", np.zeros((3, 3)), crs=None), "crs: the suns' positions need a CRS"),
         (lambda f: write_suns(f / "r.tif", [(0, 3)]), "r.tif"),
     ],
     ids=["degrees", "no CRS", "no raster"],

@@ -10,16 +10,15 @@ docs/studies.md has a tutorial, the layout of the results, and what a certificat
 
 from __future__ import annotations
 
+import dataclasses
 import os
-from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from .export import export, picture
 from .plan import Plan
 from .record import digests, record_of
-from .runner import StudyStoppedError, run_study, workers_of
+from .runner import Execution, StudyStoppedError, executor_of, run_study
 from .settings import Settings, read_toml, settings_of
 from .verify import Verified, verify
 
@@ -53,7 +52,7 @@ class Study:
         return record_of(self.plan)
 
     def dataset(self) -> Any:
-        """The results as an xarray.Dataset, read when they are used: xarray.open_zarr(folder / "results.zarr")."""
+        """The results as an xarray.Dataset, each read at its first use: xarray.open_zarr(folder / "results.zarr")."""
         import xarray
 
         return xarray.open_zarr(self.folder / "results.zarr", consolidated=False)
@@ -63,7 +62,7 @@ class Study:
         return digests(self.plan)
 
     def export(self, path: str | os.PathLike[str], what: str | None = None) -> list[Path]:
-        """Writes a result as GeoTIFF (COG), or as CSV for points: export.export()."""
+        """Writes a result as GeoTIFF (COG), or as CSV for points; what="suns": the table of suns: export.export()."""
         return export(self.plan, Path(path), what)
 
     def picture(self, path: str | os.PathLike[str], what: str | None = None) -> Path:
@@ -71,67 +70,37 @@ class Study:
         return picture(self.plan, Path(path), what)
 
     def verify(self, share: float = 0.05, device: str | None = None, seed: int | None = None) -> Verified:
-        """Recomputes a random share and compares bits."""
+        """Recomputes a random share of the tasks and compares bits."""
         return verify(self.folder, share, device, seed)
 
     def __repr__(self) -> str:
-        found = self.record
+        record = self.record
         return (
-            f"<gnomon.Study in {self.folder}: {found['tasks_done']:,} of {found['tasks']:,} tasks, "
-            f"{found['decisions']:,} decisions, {found['undecided']:,} undecided>"
+            f"<gnomon.Study in {self.folder}: {record['tasks_done']:,} of {record['tasks']:,} tasks, "
+            f"{record['decisions']:,} decisions, {record['undecided']:,} undecided>"
         )
 
 
-@dataclass(frozen=True)
-class Execution:
-    """How a study is computed: study() has the meaning of each. It changes no answer."""
+def study(folder: str | os.PathLike[str], **arguments: Any) -> Study:
+    """Runs a study, or goes on with the study in the folder, and returns it.
 
-    workers: int | str | Sequence[str] | None = None
-    client: Any = None
-    device: str | None = None
-    tiles: slice | None = None
-    restart: bool = False
-    check: bool = True
-    progress: bool = False
-
-
-def study(
-    folder: str | os.PathLike[str],
-    *,
-    workers: int | str | Sequence[str] | None = None,
-    client: Any = None,
-    device: str | None = None,
-    tiles: slice | None = None,
-    restart: bool = False,
-    check: bool = True,
-    progress: bool = False,
-    **settings: Any,
-) -> Study:
-    """Runs a study, or goes on with the one in the folder, and returns it.
-
-    folder: of the study; it is made if it is not there.
-    settings: those of gnomon.studies.Settings, by name: raster=, start=, end=, step= and so on.
-    workers: None: this process. N: N processes of this host. "gpus", or names of devices as in gnomon.use(): a process
-        for each. "tcp://...": a dask scheduler.
-    client: a distributed.Client that you have.
-    device: for all workers: a name as in gnomon.use().
-    tiles: only these receiver tiles, for job arrays. Jobs may share a folder once one has made the plan.
-    restart: begin anew, whatever is there.
-    check: read what is done already, and compute damaged chunks again.
-    progress: show a bar.
+    folder: the study's; a missing folder is made.
+    arguments: by name, the settings of gnomon.studies.Settings (raster=, start=, end=, step= and so on), and the fields
+        of gnomon.studies.Execution (workers=, client=, device=, tiles=, restart=, check=, progress=).
 
     Raises ValueError with the setting's name, StudyStoppedError where the study cannot go on (a full disk, say): the
     same call then goes on from there.
     """
-    how = Execution(workers, client, device, tiles, restart, check, progress)
-    return run(Path(folder), settings_of(settings), how)
+    fields = {field.name for field in dataclasses.fields(Execution)}
+    execution = Execution(**{name: value for name, value in arguments.items() if name in fields})
+    settings = settings_of({name: value for name, value in arguments.items() if name not in fields})
+    return run(Path(folder), settings, execution)
 
 
-def run(folder: Path, settings: Settings, how: Execution) -> Study:
+def run(folder: Path, settings: Settings, execution: Execution) -> Study:
     """study() with settings that are checked already."""
-    with workers_of(how.workers, how.client, how.device) as executor:
-        plan = run_study(folder.absolute(), settings, executor, how.tiles, how.restart, how.check, how.progress)
-    return Study(plan)
+    with executor_of(execution) as executor:
+        return Study(run_study(folder.absolute(), settings, execution, executor))
 
 
 def open_study(folder: str | os.PathLike[str]) -> Study:

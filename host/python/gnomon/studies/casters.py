@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Casters by tiles: the squares of a raster and the files of meshes, surveyed once and loaded on demand."""
+"""Caster tiles: the squares of a raster and the files of meshes. They are surveyed once and loaded on demand."""
 
 from __future__ import annotations
 
@@ -14,13 +14,14 @@ from . import cityjson
 from .rasters import Mosaic, UnreadableError, faces_of_grid
 from .settings import Settings
 
-#: Steps that receivers and casters together may span: origins lie in the middle, and 2^24 steps fit on each side.
+#: The steps that receivers and casters of one lattice may span: its origin lies in the middle, and 2^24 steps fit on
+#: each side.
 LARGEST_SPAN = 2.0**25 - 64
 
 
 def largest_tile(settings: Settings, cell: float) -> float:
-    """How far a tile may reach, in metres: larger ones are made smaller. It depends on the raster's cells, so that the
-    lattice does not depend on the size of tiles that somebody chooses."""
+    """The largest side of a tile in metres. It depends on the raster's cells, so that the lattice does not depend on
+    the settings for tiles."""
     largest = max(4096.0, min(256 * cell, 32_768.0))
     return largest if settings.lattice is None else min(largest, LARGEST_SPAN * settings.lattice / 4)
 
@@ -35,11 +36,12 @@ ANYWHERE = [-1e30, -1e30, 1e30, 1e30]
 
 
 class Survey(NamedTuple):
-    """What is known of the caster tiles before any is used. Raster tiles come first, by rows from the north; the files
-    of meshes follow.
+    """Boxes and heights of the K caster tiles, before any is used. Raster tiles come first, by rows from the north; the
+    files of meshes follow.
 
-    boxes: (K, 4) x0, y0, x1, y1. tops, bottoms: (K,) of their heights; where a tile has no triangles -inf, inf; where
-        it could not be read inf, -inf, and the box of such a mesh is ANYWHERE. triangles: (K,) int64, at most.
+    boxes: (K, 4) x0, y0, x1, y1. tops, bottoms: (K,) the greatest and the least height; -inf, inf for a tile without
+        triangles; inf, -inf for an unread tile, and the box of an unread mesh is ANYWHERE. triangles: (K,) int64, an
+        upper bound of the number of triangles.
     """
 
     boxes: NDArray[np.float64]
@@ -53,11 +55,11 @@ class Survey(NamedTuple):
 
     @property
     def extent(self) -> NDArray[np.float64]:
-        """(4,) of tiles with triangles, or unread ones of a raster."""
-        some = self.boxes[(self.tops > -np.inf) & (self.boxes[:, 2] < ANYWHERE[2])]
-        if not len(some):
+        """(4,) the box around tiles with triangles and unread tiles of the raster."""
+        boxes = self.boxes[(self.tops > -np.inf) & (self.boxes[:, 2] < ANYWHERE[2])]
+        if not len(boxes):
             return np.array([0.0, 0.0, 0.0, 0.0])
-        return np.concatenate([some[:, :2].min(axis=0), some[:, 2:].max(axis=0)])
+        return np.concatenate([boxes[:, :2].min(axis=0), boxes[:, 2:].max(axis=0)])
 
     def save(self, path: Path) -> None:
         with path.open("wb") as file:
@@ -90,7 +92,7 @@ class Casters:
         return f"cells {r0}:{r1}, {c0}:{c1} of the raster"
 
     def window(self, tile: int) -> tuple[int, int, int, int]:
-        """Rows and columns of the vertices of a raster tile: first, last + 1 of each."""
+        """Rows and columns of the vertices of a raster tile: first row, last row + 1, first column, last column + 1."""
         assert self.mosaic is not None
         size = self.size
         row, column = tile // self.columns * size, tile % self.columns * size
@@ -104,7 +106,7 @@ class Casters:
         return (rows[:, None] * self.columns + columns).reshape(-1)
 
     def surveyed(self, tile: int) -> tuple[list[float], float, float, int, str]:
-        """Box, top, bottom and number of triangles of a tile. Unread tiles have an infinite top, and the reason."""
+        """Box, top, bottom and number of triangles of a tile; and for an unread tile the reason."""
         box = ANYWHERE
         try:
             if tile >= self.rows * self.columns:
@@ -135,10 +137,10 @@ class Casters:
         x, y = np.meshgrid(self.mosaic.x(c0, c1), self.mosaic.y(r0, r1))
         vertices = np.stack([x, y, heights], axis=-1).reshape(-1, 3)
         faces = faces_of_grid(r1 - r0, c1 - c0)
-        is_there = ~np.isnan(vertices[:, 2])
-        if not is_there.all():
-            faces = faces[is_there[faces].all(axis=1)]
-            vertices[~is_there, 2] = 0
+        has_data = ~np.isnan(vertices[:, 2])
+        if not has_data.all():
+            faces = faces[has_data[faces].all(axis=1)]
+            vertices[~has_data, 2] = 0
         return vertices, faces
 
 

@@ -3,7 +3,7 @@
 
 Surfaces are polygons with holes over a table of vertices, which the file's transform turns into coordinates. Each
 polygon is triangulated by mapbox_earcut in the coordinate plane that it faces most, with its own vertices only, and
-keeps its side. Of an object that has several levels of detail the highest one counts. Points and lines cast no shadow.
+keeps its side. An object's highest level of detail counts. Points and lines cast no shadow.
 """
 
 from __future__ import annotations
@@ -34,44 +34,44 @@ def load(name: str) -> NDArray[np.float64]:
     first, *features = [json.loads(line) for line in lines if line.strip()]
     if not isinstance(first, dict) or first.get("type") != "CityJSON":
         raise ValueError('its "type" is not "CityJSON"')
-    found = [np.empty((0, 3, 3))]
+    triangles = [np.empty((0, 3, 3))]
     for part in (first, *features):
         transform = first.get("transform", {"scale": [1, 1, 1], "translate": [0, 0, 0]})
         scale, translate = (np.array(transform[key], np.float64) for key in ("scale", "translate"))
         vertices = np.array(part["vertices"], np.float64).reshape(-1, 3) * scale + translate
         for geometry in _geometries(part["CityObjects"]):
-            found += _of_geometry(geometry, vertices, first.get("geometry-templates", {}))
-    return np.concatenate(found)
+            triangles += _geometry_triangles(geometry, vertices, first.get("geometry-templates", {}))
+    return np.concatenate(triangles)
 
 
 def _geometries(objects: dict[str, Any]) -> Iterator[dict[str, Any]]:
-    """The geometries that count: of each object those of its highest level of detail, unless one of its children has
-    a level at least as high (a building with parts, say)."""
+    """The geometries that count: each object's of its highest level of detail, unless one of its children has a level
+    at least as high (a building with parts, say)."""
 
     def level(geometry: dict[str, Any]) -> float:
         return float(geometry.get("lod", 0))
 
     def highest(name: str) -> float:
-        one = objects.get(name, {})
-        own = [level(g) for g in one.get("geometry", ())]
-        return max([*own, *(highest(child) for child in one.get("children", ()))], default=-1.0)
+        city_object = objects.get(name, {})
+        levels = [level(g) for g in city_object.get("geometry", ())]
+        return max([*levels, *(highest(child) for child in city_object.get("children", ()))], default=-1.0)
 
-    for one in objects.values():
-        geometries = one.get("geometry", ())
-        most = max(map(level, geometries), default=-1.0)
-        if all(highest(child) < most for child in one.get("children", ())):
-            yield from (g for g in geometries if level(g) == most)
+    for city_object in objects.values():
+        geometries = city_object.get("geometry", ())
+        max_level = max(map(level, geometries), default=-1.0)
+        if all(highest(child) < max_level for child in city_object.get("children", ())):
+            yield from (g for g in geometries if level(g) == max_level)
 
 
-def _of_geometry(
+def _geometry_triangles(
     geometry: dict[str, Any], vertices: NDArray[np.float64], templates: dict[str, Any]
 ) -> list[NDArray[np.float64]]:
     if geometry["type"] == "GeometryInstance":
         matrix = np.array(geometry["transformationMatrix"], np.float64).reshape(4, 4)
-        at = vertices[_row(geometry["boundaries"][0], vertices)]
-        own = np.array(templates["vertices-templates"], np.float64).reshape(-1, 3)
-        moved = own @ matrix[:3, :3].T + matrix[:3, 3] + at
-        return _of_geometry(templates["templates"][geometry["template"]], moved, {})
+        origin = vertices[_row(geometry["boundaries"][0], vertices)]
+        template_vertices = np.array(templates["vertices-templates"], np.float64).reshape(-1, 3)
+        moved = template_vertices @ matrix[:3, :3].T + matrix[:3, 3] + origin
+        return _geometry_triangles(templates["templates"][geometry["template"]], moved, {})
     surfaces = geometry["boundaries"]
     if geometry["type"] not in DEPTHS:
         return []
@@ -87,8 +87,8 @@ def _row(index: Any, vertices: NDArray[np.float64]) -> int:
 
 
 def triangulated(rings: list[NDArray[np.float64]]) -> NDArray[np.float64]:
-    """Triangles (F, 3, 3) of a polygon: its outer ring, then its holes, (n, 3) each. They turn as the outer ring does.
-    A polygon without an area has none."""
+    """Triangles (F, 3, 3) of a polygon: its outer ring, then its holes, (n, 3) each. Their corners turn as the outer
+    ring does. A polygon without an area has no triangles."""
     outer = rings[0] if rings else np.empty((0, 3))
     if len(outer) < 3:
         return np.empty((0, 3, 3))
@@ -98,24 +98,24 @@ def triangulated(rings: list[NDArray[np.float64]]) -> NDArray[np.float64]:
     corners = np.concatenate(rings)
     flat = np.ascontiguousarray(corners[:, axes] - outer[0, axes])
     ends = np.cumsum([len(ring) for ring in rings]).astype(np.uint32)
-    found = _with_all_corners(mapbox_earcut.triangulate_float64(flat, ends).reshape(-1, 3).tolist(), ends.tolist())
-    triangles = corners[np.array(found, np.int64).reshape(-1, 3)]
-    turns = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]) @ normal < 0
-    triangles[turns] = triangles[turns, ::-1]
+    ids = _with_all_corners(mapbox_earcut.triangulate_float64(flat, ends).reshape(-1, 3).tolist(), ends.tolist())
+    triangles = corners[np.array(ids, np.int64).reshape(-1, 3)]
+    is_reversed = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]) @ normal < 0
+    triangles[is_reversed] = triangles[is_reversed, ::-1]
     return triangles
 
 
 def _with_all_corners(triangles: list[list[int]], ends: list[int]) -> list[list[int]]:
-    """Earcut leaves out corners in the middle of a straight edge. A neighbour may need them, where rounding moves them
-    off the edge: the triangle at that edge becomes several."""
+    """Adds the corners in the middle of straight edges, which earcut leaves out: the triangle at such an edge becomes
+    several. A neighbouring polygon has these corners, too, and rounding may move them off the edge."""
     used = {corner for triangle in triangles for corner in triangle}
     for first, last in zip([0, *ends], ends, strict=False):
         kept = [i for i in range(first, last) if i in used]
         for a, b in zip(kept, [*kept[1:], *kept[:1]], strict=True):
             between = [*range(a + 1, b)] if a < b else [*range(a + 1, last), *range(first, b)]
-            at = next((i for i, t in enumerate(triangles) if between and {a, b} <= {*t}), None)
-            if at is not None:
-                third = next(corner for corner in triangles.pop(at) if corner not in (a, b))
+            row = next((i for i, t in enumerate(triangles) if between and {a, b} <= {*t}), None)
+            if row is not None:
+                third = next(corner for corner in triangles.pop(row) if corner not in (a, b))
                 chain = [a, *between, b]
                 triangles += [[x, y, third] for x, y in zip(chain, chain[1:], strict=False)]
     return triangles

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import functools
-import math
 import threading
 from typing import NamedTuple
 
@@ -27,49 +26,50 @@ from .rasters import UnreadableError
 from .receivers import Part
 from .settings import Settings
 
-#: Bytes that a caster's triangle takes at most: its corners on both sides, its share of the tree, and the loading.
+#: The most bytes that a caster's triangle takes: its corners on host and device, its share of the BVH, and the loading.
 BYTES_PER_TRIANGLE = 400
 
 
 class Answer(NamedTuple):
-    """lit, undecided: planes of the receivers' answers; never both. undecided is None where nothing is. unread: caster
-    tiles that could not be read and might have mattered."""
+    """lit, undecided: planes of the receivers' answers; no answer is both. undecided is None where no answer is
+    undecided. unread: caster tiles that could not be read and can shadow a receiver."""
 
     lit: Planes
     undecided: Planes | None
     unread: list[int]
 
 
-class _Casters(NamedTuple):
-    """Caster tiles that are one scene. here: (n, 3) the receivers' coordinates in its lattice, before any lift."""
+class _CasterScene(NamedTuple):
+    """Caster tiles that are one scene. scene: None if no tile has a triangle. snapped: (n, 3) the receivers'
+    coordinates in its lattice, before any lift."""
 
     part: Part
     tiles: NDArray[np.int64]
     lattice: _gnomon.WorldLattice
-    scene: Scene | None  # None: no tile has a triangle
-    here: NDArray[np.float32]
+    scene: Scene | None
+    snapped: NDArray[np.float32]
 
 
 def steps_of(values: NDArray[np.float64], exponent: int) -> NDArray[np.float64]:
     """The nearest whole numbers of steps, half-way cases upwards, as docs/numerics.md, 13 defines them."""
-    scaled = np.ldexp(values, -exponent)
-    down: NDArray[np.float64] = np.floor(scaled)
-    return down + (scaled - down >= 0.5)
+    steps = np.ldexp(values, -exponent)
+    below: NDArray[np.float64] = np.floor(steps)
+    return below + (steps - below >= 0.5)
 
 
 def distances(boxes: NDArray[np.float64], box: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Horizontal distances of boxes (n, 4), least and greatest x, y, from another one."""
-    away = np.maximum(np.maximum(boxes[:, :2] - box[2:], box[:2] - boxes[:, 2:]), 0)
-    return np.asarray(np.hypot(away[:, 0], away[:, 1]))
+    """Horizontal distances of boxes (n, 4), x0, y0, x1, y1, from another box."""
+    apart = np.maximum(np.maximum(boxes[:, :2] - box[2:], box[:2] - boxes[:, 2:]), 0)
+    return np.asarray(np.hypot(apart[:, 0], apart[:, 1]))
 
 
 @functools.lru_cache(maxsize=4)
-def device_of(name: str | None) -> Device:
+def _opened_device(name: str | None) -> Device:
     return default_device() if name is None else open_device(name)
 
 
 class Decider:
-    """What all tasks of a study share. exponent: of the lattice's step, a power of two."""
+    """Decides the parts of all tasks of a study. The lattice's step is 2^exponent."""
 
     def __init__(
         self, settings: Settings, casters: Casters, survey: Survey, exponent: int, device: str | None = None
@@ -85,106 +85,125 @@ class Decider:
         # Threads share a decider, so that one prepares a task while the device works for another one.
         self._facing: tuple[Part, GridFacing] | None = None  # of the last part
         self._facing_lock = threading.Lock()
-        self._kept: _Casters | None = None  # of the last part
-        self._scene_lock = threading.Lock()  # who has it uses or replaces the only scene
+        self._kept: _CasterScene | None = None  # the scene of the last part
+        self._scene_lock = threading.Lock()  # held while a thread uses or replaces the only scene
 
     @property
     def device(self) -> Device:
-        return device_of(self.device_name)
+        return _opened_device(self.device_name)
+
+    @functools.cached_property
+    def _empty_scene(self) -> Scene:
+        """A point in it is lit where the light is strictly on its normal's side."""
+        return Scene(np.empty((0, 3, 3), np.float32), device=self.device)
 
     def curvature(self, centre: tuple[float, float]) -> Curvature:
         per_square = per_square_of(self.settings.refraction_of_ground) if self.settings.curvature else 0.0
         return Curvature(*centre, per_square)
 
     def decide(self, part: Part, towards: NDArray[np.float32], centre: tuple[float, float]) -> Answer:
-        """The answers of a part's receivers for suns (M, 3) that are all above the horizon."""
-        bend = self.curvature(centre)
-        at = part.xyz.copy()
-        at[:, 2] = bend.lowered(at[:, 0], at[:, 1], at[:, 2])
-        lit = self._faced(part, towards, bend)
-        if part.normals is not None:
-            _face_by_normals(scaled(part.normals).astype(np.float32), towards, lit)
-        low, high = at.min(axis=0), at.max(axis=0)
+        """The answers of a part's receivers for suns (M, 3), all of them above the horizon."""
+        curvature = self.curvature(centre)
+        positions = part.xyz.copy()
+        positions[:, 2] = curvature.lowered(positions[:, 0], positions[:, 1], positions[:, 2])
+        lit = self._facing_of(part, towards, curvature)
+        low, high = positions.min(axis=0), positions.max(axis=0)
         box = np.array([low[0], low[1], high[0], high[1]])
         directions = towards.astype(np.float64)
-        tiles, hit = self.pyramid.that_matter(box, float(low[2]), directions, bend, self.pad)
-        absent = self._beyond(tiles, box)
+        tiles, hit = self.pyramid.tiles_that_can_shadow(box, float(low[2]), directions, curvature, self.pad)
+        is_untested = self._is_untested(tiles, box)
         unread: list[int] = tiles[self.survey.unread[tiles]].tolist()
-        along = self._along(part, at, tiles[~absent], bend)
-        groups = self._groups(tiles, absent, box)
+        lift_normals = self._normals_to_lift_along(part, positions, tiles[~is_untested], curvature)
+        groups = self._groups(tiles, is_untested, box)
         for i, group in enumerate(groups):
             suns, rows = np.flatnonzero(hit[group].any(axis=0)), None
-            if i > 0:  # later ones only where something is left
+            if i > 0:  # later groups are asked about open answers alone
                 is_open = planes.unpacked(np.bitwise_or.reduce(lit, axis=1)[:, None], len(towards))[0]
                 suns, rows = suns[is_open[suns]], np.flatnonzero(np.bitwise_or.reduce(lit, axis=0))
             with self._scene_lock:
-                casters = self._scene_of(part, at, tiles[group], bend, unread)
-                self._shadow(casters, along, at, towards, suns, rows, lit)
+                casters = self._load_scene(part, positions, tiles[group], curvature, unread)
+                self._shadow(casters, lift_normals, positions, towards, suns, rows, lit)
                 self._kept = casters if len(groups) == 1 and not unread else None
                 del casters
-        absent |= np.isin(tiles, np.array(unread, np.int64))
-        undecided = self._undecided(tiles[absent], hit[absent], at, directions, bend, lit)
+        is_untested |= np.isin(tiles, np.array(unread, np.int64))
+        undecided = self._undecided(tiles[is_untested], hit[is_untested], positions, directions, curvature, lit)
         if undecided is not None:
             lit &= ~undecided
         return Answer(lit, undecided, sorted(unread))
 
-    def _faced(self, part: Part, towards: NDArray[np.float32], bend: Curvature) -> Planes:
+    def _facing_of(self, part: Part, towards: NDArray[np.float32], curvature: Curvature) -> Planes:
+        """The planes of whether each sun is on the receivers' side of their surfaces."""
+        if part.normals is not None:
+            return self._facing_by_normals(part.normals, towards)
         if part.window is None:
             return planes.ones(len(towards), len(part.rows))
         with self._facing_lock:
             kept = self._facing
             if kept is None or kept[0] is not part:
                 x, y, z, inside = part.window
-                z = bend.lowered(x[None, :], y[:, None], z)
+                z = curvature.lowered(x[None, :], y[:, None], z)
                 x, y, z = (steps_of(v, self.exponent) for v in (x, y, z))
                 self._facing = kept = part, GridFacing(x, y, z, inside)
         return kept[1].faces(towards)
 
-    def _beyond(self, tiles: NDArray[np.int64], box: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Which tiles are not tested: unread ones, those beyond the stated limit, and those that the lattice does not
-        hold together with the receivers."""
-        boxes = self.survey.boxes[tiles]
-        absent = self.survey.unread[tiles].copy()
-        if self.settings.halo_limit is not None:
-            absent |= distances(boxes, box) > self.settings.halo_limit
-        span = np.maximum(boxes[:, 2:], box[2:]) - np.minimum(boxes[:, :2], box[:2])
-        return absent | (span > LARGEST_SPAN * self.step).any(axis=1)
+    def _facing_by_normals(self, normals: NDArray[np.float64], towards: NDArray[np.float32]) -> Planes:
+        points = np.zeros(normals.shape, np.float32)
+        answer = self._empty_scene.lit_by(points, Lights.directions(-towards), side=Side.normals(normals), bits=True)
+        assert answer.bits is not None
+        return planes.transposed(answer.bits)
 
-    def _groups(self, tiles: NDArray[np.int64], absent: NDArray[np.bool_], box: NDArray[np.float64]) -> list[list[int]]:
-        """Indices of the casters, near ones first, as many in a group as the memory limit and the lattice hold."""
+    def _is_untested(self, tiles: NDArray[np.int64], box: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """(T,): tiles that are unread, farther away than the stated limit, or too far for one lattice with the
+        receivers."""
+        boxes = self.survey.boxes[tiles]
+        is_untested = self.survey.unread[tiles].copy()
+        if self.settings.halo_limit is not None:
+            is_untested |= distances(boxes, box) > self.settings.halo_limit
+        span = np.maximum(boxes[:, 2:], box[2:]) - np.minimum(boxes[:, :2], box[:2])
+        return is_untested | (span > LARGEST_SPAN * self.step).any(axis=1)
+
+    def _groups(
+        self, tiles: NDArray[np.int64], is_untested: NDArray[np.bool_], box: NDArray[np.float64]
+    ) -> list[list[int]]:
+        """Indices of tested tiles, nearest first. A group has as many as the memory limit and the lattice hold."""
         boxes = self.survey.boxes[tiles]
         order = np.lexsort((tiles, distances(boxes, box)))
-        most = max(self.settings.memory_limit // BYTES_PER_TRIANGLE, 1)
+        max_triangles = max(self.settings.memory_limit // BYTES_PER_TRIANGLE, 1)
         groups: list[list[int]] = []
         low, high, count = box[:2], box[2:], 0
-        for i in order[~absent[order]].tolist():
-            more = int(self.survey.triangles[tiles[i]])
+        for i in order[~is_untested[order]].tolist():
+            triangles = int(self.survey.triangles[tiles[i]])
             wider_low, wider_high = np.minimum(low, boxes[i, :2]), np.maximum(high, boxes[i, 2:])
-            is_full = count + more > most or (wider_high - wider_low > LARGEST_SPAN * self.step).any()
+            is_full = count + triangles > max_triangles or (wider_high - wider_low > LARGEST_SPAN * self.step).any()
             if is_full or not groups:
                 groups.append([])
                 count = 0
                 wider_low, wider_high = np.minimum(box[:2], boxes[i, :2]), np.maximum(box[2:], boxes[i, 2:])
             low, high = wider_low, wider_high
             groups[-1].append(i)
-            count += more
+            count += triangles
         return groups
 
-    def _scene_of(
-        self, part: Part, at: NDArray[np.float64], tiles: NDArray[np.int64], bend: Curvature, unread: list[int]
-    ) -> _Casters:
-        """A scene of caster tiles: the last one, with its tree, if it holds them and not more than twice as much. Tiles
-        that cannot be read are appended to `unread`."""
+    def _load_scene(
+        self,
+        part: Part,
+        positions: NDArray[np.float64],
+        tiles: NDArray[np.int64],
+        curvature: Curvature,
+        unread: list[int],
+    ) -> _CasterScene:
+        """A scene of caster tiles: the kept one, with its BVH, if it holds these tiles and at most twice their
+        triangles. Tiles that cannot be read are appended to `unread`."""
         kept, count = self._kept, self.survey.triangles
         holds = kept is not None and kept.part is part and np.isin(tiles, kept.tiles).all()
         if kept is not None and holds and count[kept.tiles].sum() <= 2 * count[tiles].sum():
             return kept
         del kept
-        self._kept = None  # its memory is free before more is taken
+        self._kept = None  # frees its memory before the new scene takes some
         vertices, faces, first = [np.empty((0, 3))], [np.empty((0, 3), np.int64)], 0
         for tile in tiles.tolist():
             try:
-                v, f = self._mesh(tile, bend)
+                v, f = self._mesh(tile, curvature)
             except UnreadableError:
                 unread.append(tile)
                 continue
@@ -192,35 +211,35 @@ class Decider:
             faces.append(f + first)
             first += len(v)
         world, corners = np.concatenate(vertices), np.concatenate(faces)
-        low = np.minimum(world.min(axis=0, initial=np.inf), at.min(axis=0))
-        high = np.maximum(world.max(axis=0, initial=-np.inf), at.max(axis=0))
+        low = np.minimum(world.min(axis=0, initial=np.inf), positions.min(axis=0))
+        high = np.maximum(world.max(axis=0, initial=-np.inf), positions.max(axis=0))
         lattice = _gnomon.WorldLattice.around(np.stack([low, high]), self.exponent)
         scene = Scene(lattice.snap(world)[0][corners], device=self.device) if len(corners) else None
-        return _Casters(part, tiles, lattice, scene, lattice.snap(at)[0])
+        return _CasterScene(part, tiles, lattice, scene, lattice.snap(positions)[0])
 
-    def _mesh(self, tile: int, bend: Curvature) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    def _mesh(self, tile: int, curvature: Curvature) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
         """The vertices and faces of a caster tile, after curvature. Raises UnreadableError."""
         vertices, faces = self.casters.triangles(tile)
         vertices = vertices.copy()
-        vertices[:, 2] = bend.lowered(vertices[:, 0], vertices[:, 1], vertices[:, 2])
+        vertices[:, 2] = curvature.lowered(vertices[:, 0], vertices[:, 1], vertices[:, 2])
         return vertices, faces
 
-    def _along(
-        self, part: Part, at: NDArray[np.float64], tiles: NDArray[np.int64], bend: Curvature
+    def _normals_to_lift_along(
+        self, part: Part, positions: NDArray[np.float64], tiles: NDArray[np.int64], curvature: Curvature
     ) -> NDArray[np.float64] | None:
-        """(n, 3) normals to lift receivers along, NaN for those that are not lifted; None: no receiver is. Points on
-        surfaces are lifted along their normals. A raster's vertex is lifted where a mesh passes within a step of it,
-        as by Scene.lit(side=Side.vertices())."""
+        """(n, 3) normals to lift receivers along, NaN for receivers that are not lifted; None: no receiver is lifted.
+        Points on surfaces are lifted along their normals. A raster's vertex is lifted where a mesh passes within a step
+        of it, as by Scene.lit(side=Side.vertices())."""
         if part.normals is not None:
             return scaled(part.normals)
-        low, high = at.min(axis=0) - self.pad, at.max(axis=0) + self.pad
+        low, high = positions.min(axis=0) - self.pad, positions.max(axis=0) + self.pad
         first_mesh = len(self.casters) - len(self.settings.meshes)
         near = [np.empty((0, 3, 3))]
         for tile in tiles[tiles >= first_mesh].tolist():
             try:
-                vertices, faces = self._mesh(tile, bend)
+                vertices, faces = self._mesh(tile, curvature)
             except UnreadableError:
-                continue  # the batches find it, too
+                continue  # _load_scene() notes it
             corners = vertices[faces]
             meets = (corners.max(axis=1) >= low).all(axis=1) & (corners.min(axis=1) <= high).all(axis=1)
             near.append(corners[meets])
@@ -228,44 +247,46 @@ class Decider:
         if part.window is None or not len(meshes):
             return None
         low, high = meshes.min(axis=(0, 1)) - self.pad, meshes.max(axis=(0, 1)) + self.pad
-        rows = np.flatnonzero(((at >= low) & (at <= high)).all(axis=1))
+        rows = np.flatnonzero(((positions >= low) & (positions <= high)).all(axis=1))
         if not len(rows):
             return None
-        here = np.ascontiguousarray(at[rows])
-        triangles = np.concatenate([meshes, np.repeat(here[:, None], 3, axis=1)])  # a vertex is a corner of something
+        snapped = np.ascontiguousarray(positions[rows])
+        triangles = np.concatenate(
+            [meshes, np.repeat(snapped[:, None], 3, axis=1)]
+        )  # a vertex is a corner of a triangle
         corners = triangles.reshape(-1, 3)
         lattice = _gnomon.WorldLattice.around(np.stack([corners.min(axis=0), corners.max(axis=0)]), self.exponent)
-        found, normals = Lattice(lattice, triangles).normals_where_touching(lattice.snap(here)[0], (0.0, 0.0, 1.0))
-        along = np.full(at.shape, np.nan)
-        along[rows[found]] = normals
-        return along if len(found) else None
+        found, normals = Lattice(lattice, triangles).normals_where_touching(lattice.snap(snapped)[0], (0.0, 0.0, 1.0))
+        lift_normals = np.full(positions.shape, np.nan)
+        lift_normals[rows[found]] = normals
+        return lift_normals if len(found) else None
 
     def _shadow(
         self,
-        casters: _Casters,
-        along: NDArray[np.float64] | None,
-        at: NDArray[np.float64],
+        casters: _CasterScene,
+        lift_normals: NDArray[np.float64] | None,
+        positions: NDArray[np.float64],
         towards: NDArray[np.float32],
         suns: NDArray[np.int64],
         rows: NDArray[np.int64] | None,
         lit: Planes,
     ) -> None:
-        """Clears `lit` of these suns and receivers (None: of all) where a caster is in the way. All suns are strictly
-        above the horizon, so for a receiver that is not lifted the normal straight up is no restriction; it makes the
+        """Clears `lit` of these suns and receivers (None: of all) where a caster blocks the ray. All suns are strictly
+        above the horizon, so the vertical normal of a receiver that is not lifted restricts nothing; it makes the
         shafts tighter."""
-        here = casters.here if rows is None else casters.here[rows]
-        if casters.scene is None or not (len(suns) and len(here)):
+        snapped = casters.snapped if rows is None else casters.snapped[rows]
+        if casters.scene is None or not (len(suns) and len(snapped)):
             return
-        normals = np.broadcast_to(np.array([0.0, 0.0, 1.0]), here.shape)
-        if along is not None:
-            of_rows = along if rows is None else along[rows]
+        normals = np.broadcast_to(np.array([0.0, 0.0, 1.0]), snapped.shape)
+        if lift_normals is not None:
+            of_rows = lift_normals if rows is None else lift_normals[rows]
             lifted = np.flatnonzero(np.isfinite(of_rows[:, 0]))
-            here, normals = here.copy(), normals.copy()
+            snapped, normals = snapped.copy(), normals.copy()
             normals[lifted] = of_rows[lifted]
-            world = np.ascontiguousarray(at[lifted if rows is None else rows[lifted]])
-            here[lifted] = casters.lattice.lift(world, np.ascontiguousarray(normals[lifted]))
+            world = np.ascontiguousarray(positions[lifted if rows is None else rows[lifted]])
+            snapped[lifted] = casters.lattice.lift(world, np.ascontiguousarray(normals[lifted]))
         answer = casters.scene.lit_by(
-            here, Lights.directions(-towards[suns]), side=Side.normals(normals), bits=True,
+            snapped, Lights.directions(-towards[suns]), side=Side.normals(normals), bits=True,
             settings={"many-lights": "shafts"},
         )  # fmt: skip
         assert answer.bits is not None
@@ -282,42 +303,34 @@ class Decider:
         self,
         tiles: NDArray[np.int64],
         hit: NDArray[np.bool_],
-        at: NDArray[np.float64],
+        positions: NDArray[np.float64],
         towards: NDArray[np.float64],
-        bend: Curvature,
+        curvature: Curvature,
         lit: Planes,
     ) -> Planes | None:
-        """Which lit answers lack the certificate: their ray may meet a tile that was not tested, or leaves the extent
-        below the stated height of what stands outside. None: no answer does."""
+        """The planes of lit answers without a certificate: the ray may meet an untested tile, or leaves the extent
+        below the stated height of what stands outside. None: every lit answer has its certificate."""
         if not len(tiles) and self.settings.outside is None:
             return None
         result = np.zeros_like(lit)
         boxes = self.survey.boxes[tiles]
-        tops = self.survey.tops[tiles] - bend.least(boxes)
-        point = at[:, [0, 1, 0, 1]]
+        tops = self.survey.tops[tiles] - curvature.least(boxes)
+        boxes_of_points = positions[:, [0, 1, 0, 1]]
         for sun in range(len(towards)):
             bit = np.uint32(1 << sun % 32)
             open_rows = np.flatnonzero(planes.of_sun(lit, sun))
             if self.settings.outside is not None and len(open_rows):
-                leaves = leaves_below(self.survey.extent, self.settings.outside, at[open_rows], towards[sun], self.pad)
+                leaves = leaves_below(
+                    self.survey.extent, self.settings.outside, positions[open_rows], towards[sun], self.pad
+                )
                 result[sun // 32, open_rows[leaves]] |= bit
                 open_rows = open_rows[~leaves]
             for tile in np.flatnonzero(hit[:, sun]):
                 if not len(open_rows):
                     break
-                may = rises_above(boxes[tile], tops[tile], point[open_rows], at[open_rows, 2], towards[sun], self.pad)
-                result[sun // 32, open_rows[may]] |= bit
-                open_rows = open_rows[~may]
+                meets_tile = rises_above(
+                    boxes[tile], tops[tile], boxes_of_points[open_rows], positions[open_rows, 2], towards[sun], self.pad
+                )
+                result[sun // 32, open_rows[meets_tile]] |= bit
+                open_rows = open_rows[~meets_tile]
         return result
-
-
-def _face_by_normals(normals: NDArray[np.float32], towards: NDArray[np.float32], lit: Planes) -> None:
-    """Clears `lit` where a sun is not strictly on the normal's side: as gnomon decides it, of float32 normals."""
-    n, d = normals.astype(np.float64), towards.astype(np.float64)
-    largest = np.abs(n).max(axis=1)
-    for sun in range(len(d)):
-        s = n @ d[sun]
-        above = s > 0
-        for row in np.flatnonzero(np.abs(s) <= 2e-15 * largest * np.abs(d[sun]).max()):
-            above[row] = math.fsum((n[row] * d[sun]).tolist()) > 0  # products of float32 values are exact
-        planes.clear(lit, sun, ~above)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Results as files that other programs open: GeoTIFF (COG), CSV, and a picture with a legend."""
+"""Results as files that other programs open: GeoTIFF (COG), CSV, and a picture with a legend; the table of suns."""
 
 from __future__ import annotations
 
@@ -15,19 +15,25 @@ from numpy.typing import NDArray
 
 from .plan import Plan
 from .receivers import RasterReceivers
+from .tables import suns_text
 
 NO_HOURS = -9999.0
 NO_BITS = -9999
 TITLES = {"sun_hours": "hours of sun", "sum_of_weights": "sum of weights"}
+#: The names of the arrays that hold what is undecided of a sum.
+UNDECIDED = {"sun_hours": "undecided_hours", "sum_of_weights": "undecided_weights"}
 
 
 def export(plan: Plan, path: Path, what: str | None = None) -> list[Path]:
-    """Writes a result: `sun_hours`, `sum_of_weights` or `lit`; None: the first that the study has. Raises ValueError.
+    """Writes a result: `sun_hours`, `sum_of_weights` or `lit`; None: the first that the study has; or `suns`. Raises
+    ValueError.
 
     A raster's sums become a COG of two bands: the sum, nodata where a sun is undecided, and what is undecided. Its
     packed bits become, in the folder `path`, the Solar API's hourlyShade: 12 COGs of 24 bands of int32, bit d - 1 of
-    band h for day d at hour h; nodata (-9999) where a bit is undecided. Points become a CSV file.
-    """
+    band h for day d at hour h; nodata (-9999) where a bit is undecided. Points become a CSV file. The suns of a study
+    with one sun zone become a CSV file (docs/studies.md), for gnomon hours or another study."""
+    if what == "suns":
+        return [_export_suns(plan, path)]
     names = [n for n in plan.results if not n.startswith("undecided")]
     name = what or next((n for n in names if n != "lit"), names[0])
     if name not in names:
@@ -36,27 +42,27 @@ def export(plan: Plan, path: Path, what: str | None = None) -> list[Path]:
         return [_export_points(plan, path, name)]
     if name == "lit":
         return _export_bits(plan, path)
-    of = {"sun_hours": "undecided_hours", "sum_of_weights": "undecided_weights"}[name]
-    kind = plan.store.array(f"results.zarr/{name}").dtype
-    with _Cog(plan, path, 2, str(kind), NO_HOURS) as file:
+    dtype = plan.store.array(f"results.zarr/{name}").dtype
+    with _Cog(plan, path, 2, str(dtype), NO_HOURS) as file:
         file.set_band_description(1, TITLES[name])
         file.set_band_description(2, f"{TITLES[name]}, undecided")
         for tile in range(len(plan.receivers)):
-            at = plan.receivers.slices(tile)
-            values, more = (plan.store.array(f"results.zarr/{n}")[at] for n in (name, of))
-            file.write(np.where(np.isnan(values) | (more != 0), NO_HOURS, values).astype(kind), 1, window=_window(at))
-            file.write(np.where(np.isnan(more), NO_HOURS, more).astype(kind), 2, window=_window(at))
+            slices = plan.receivers.slices(tile)
+            sums, undecided = (plan.store.array(f"results.zarr/{n}")[slices] for n in (name, UNDECIDED[name]))
+            is_known = ~np.isnan(sums) & (undecided == 0)
+            file.write(np.where(is_known, sums, NO_HOURS).astype(dtype), 1, window=_window(slices))
+            file.write(np.where(np.isnan(undecided), NO_HOURS, undecided).astype(dtype), 2, window=_window(slices))
     return [path]
 
 
-def _window(at: tuple[slice, ...]) -> Any:
-    return rasterio.windows.Window.from_slices(*at)
+def _window(slices: tuple[slice, ...]) -> Any:
+    return rasterio.windows.Window.from_slices(*slices)
 
 
 class _Cog:
     """A GeoTIFF that is written by windows, then copied to a COG, which appears whole."""
 
-    def __init__(self, plan: Plan, path: Path, bands: int, kind: str, nodata: float) -> None:
+    def __init__(self, plan: Plan, path: Path, bands: int, dtype: str, nodata: float) -> None:
         assert isinstance(plan.receivers, RasterReceivers)
         mosaic = plan.receivers.mosaic
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -65,41 +71,43 @@ class _Cog:
         self._plain = Path(self._folder.name) / "plain.tif"
         self._file = rasterio.open(
             self._plain, "w", driver="GTiff", tiled=True, width=mosaic.columns, height=mosaic.rows, count=bands,
-            dtype=kind, nodata=nodata, crs=plan.settings.crs or mosaic.crs, BIGTIFF="IF_SAFER",
+            dtype=dtype, nodata=nodata, crs=plan.settings.crs or mosaic.crs, BIGTIFF="IF_SAFER",
             transform=rasterio.Affine(mosaic.dx, 0, mosaic.west, 0, -mosaic.dy, mosaic.north),
         )  # fmt: skip
 
     def __enter__(self) -> Any:
         return self._file
 
-    def __exit__(self, kind: object, *_: object) -> None:
+    def __exit__(self, error: object, *_: object) -> None:
         self._file.close()
-        if kind is None:
-            whole = Path(self._folder.name) / "cog.tif"
-            rasterio.shutil.copy(self._plain, whole, driver="COG", compress="DEFLATE")
-            os.replace(whole, self._path)
+        if error is None:
+            cog = Path(self._folder.name) / "cog.tif"
+            rasterio.shutil.copy(self._plain, cog, driver="COG", compress="DEFLATE")
+            os.replace(cog, self._path)
         self._folder.cleanup()
 
 
 def _export_bits(plan: Plan, folder: Path) -> list[Path]:
     if not plan.suns.is_hourly:
-        raise ValueError("what: packed bits are exported for steps of one hour within one year; others stay in zarr")
+        raise ValueError(
+            "what: packed bits are exported for steps of one hour within one year; other bits stay in zarr"
+        )
     lit, undecided = plan.store.array("results.zarr/lit"), plan.store.array("results.zarr/undecided")
     paths = []
-    has_suns = {int(word) for block in plan.blocks for word in block}
+    words_with_suns = {int(word) for block in plan.blocks for word in block}
     for month in range(12):
         path = folder / f"hourly_shade_{month + 1:02}.tif"
         with _Cog(plan, path, 24, "int32", NO_BITS) as file:
             for tile in range(len(plan.receivers)):
-                at = plan.receivers.slices(tile)
-                is_there = plan.receivers.tile(tile).is_valid.reshape(tuple(s.stop - s.start for s in at))
+                slices = plan.receivers.slices(tile)
+                is_valid = plan.receivers.tile(tile).is_valid.reshape(tuple(s.stop - s.start for s in slices))
                 for hour in range(24):
                     word = 24 * month + hour
-                    values = np.where(is_there, 0, NO_BITS).astype(np.int32)
-                    if word in has_suns:
-                        seen = lit[(word, *at)].astype(np.int32)
-                        values = np.where(is_there & (undecided[(word, *at)] == 0), seen, np.int32(NO_BITS))
-                    file.write(values, hour + 1, window=_window(at))
+                    values = np.where(is_valid, 0, NO_BITS).astype(np.int32)
+                    if word in words_with_suns:
+                        bits = lit[(word, *slices)].astype(np.int32)
+                        values = np.where(is_valid & (undecided[(word, *slices)] == 0), bits, np.int32(NO_BITS))
+                    file.write(values, hour + 1, window=_window(slices))
         paths.append(path)
     return paths
 
@@ -108,15 +116,30 @@ def _export_points(plan: Plan, path: Path, name: str) -> Path:
     if name == "lit":
         raise ValueError("what: packed bits of points stay in zarr (xarray.open_zarr)")
     columns = [plan.store.array(f"results.zarr/{n}")[:] for n in ("x", "y", "z", name)]
-    of = plan.store.array(f"results.zarr/{'undecided_hours' if name == 'sun_hours' else 'undecided_weights'}")[:]
-    np.savetxt(path, np.stack([*columns, of], axis=1), delimiter=",", fmt="%.17g", comments="",
+    undecided = plan.store.array(f"results.zarr/{UNDECIDED[name]}")[:]
+    np.savetxt(path, np.stack([*columns, undecided], axis=1), delimiter=",", fmt="%.17g", comments="",
                header=f"x,y,z,{name},undecided")  # fmt: skip
     return path
 
 
+def _export_suns(plan: Plan, path: Path) -> Path:
+    suns = plan.suns
+    if len(suns.zones) != 1:
+        raise ValueError(
+            f"what: a table of suns is for one sun zone, and this study has {len(suns.zones)}: make the study with a "
+            "larger zone="
+        )
+    is_up = np.isfinite(suns.towards[0, :, 0])
+    hours = suns.seconds / (3600.0 * suns.samples)
+    weights = np.ldexp(suns.weights.astype(np.float64), suns.exponent) if suns.weights.any() else hours
+    times = np.repeat(suns.times, suns.samples)[is_up].tolist() if suns.times else []
+    path.write_text(suns_text(suns.towards[0, is_up], weights[is_up], times))
+    return path
+
+
 def picture(plan: Plan, path: Path, what: str | None = None, largest: int = 1200) -> Path:
-    """A map of sums with a legend; hatched grey where a sun is undecided, white where there is no receiver. Rasters
-    with more than `largest` cells on a side are shown by every n-th cell."""
+    """A map of sums with a legend; grey where a sun is undecided, white where there is no receiver. A raster with more
+    than `largest` cells on a side is drawn by every n-th cell."""
     from matplotlib.figure import Figure
     from matplotlib.patches import Patch
 
@@ -124,20 +147,19 @@ def picture(plan: Plan, path: Path, what: str | None = None, largest: int = 1200
     name = what or next(iter(names), "")
     if name not in names:
         raise ValueError(f"what: a picture shows {' or '.join(TITLES)}; this study has {', '.join(plan.results)}")
-    of = {"sun_hours": "undecided_hours", "sum_of_weights": "undecided_weights"}[name]
-    values, more = (plan.store.array(f"results.zarr/{n}") for n in (name, of))
+    values, undecided = (plan.store.array(f"results.zarr/{n}") for n in (name, UNDECIDED[name]))
     figure = Figure(figsize=(8, 6.4), dpi=120, layout="constrained")
     axes = figure.subplots()
     if isinstance(plan.receivers, RasterReceivers):
         mosaic = plan.receivers.mosaic
-        every = max(1, -(-max(values.shape) // largest))
-        shown: NDArray[Any] = values[::every, ::every]
+        stride = max(1, -(-max(values.shape) // largest))
+        shown: NDArray[Any] = values[::stride, ::stride]
         east, south = mosaic.west + mosaic.columns * mosaic.dx, mosaic.north - mosaic.rows * mosaic.dy
         extent = (mosaic.west, east, south, mosaic.north)
         drawn: Any = axes.imshow(shown, extent=extent, cmap="inferno", interpolation="nearest")
-        unsure = np.where(more[::every, ::every] > 0, 1.0, np.nan)
-        if np.nansum(unsure):
-            axes.imshow(unsure, extent=extent, cmap="Greys", vmin=0, vmax=2, interpolation="nearest")
+        grey = np.where(undecided[::stride, ::stride] > 0, 1.0, np.nan)
+        if np.nansum(grey):
+            axes.imshow(grey, extent=extent, cmap="Greys", vmin=0, vmax=2, interpolation="nearest")
             axes.legend(handles=[Patch(color="0.5", label="undecided")], loc="upper right")
     else:
         x, y = (plan.store.array(f"results.zarr/{n}")[:] for n in "xy")
@@ -147,8 +169,8 @@ def picture(plan: Plan, path: Path, what: str | None = None, largest: int = 1200
     axes.tick_params(axis="x", rotation=20)
     axes.set_xlabel("east, m")
     axes.set_ylabel("north, m")
-    when = f"{plan.settings.start} to {plan.settings.end}" if plan.settings.start else "table of directions"
-    axes.set_title(f"{TITLES[name]}, {when}", fontsize=10)
+    period = f"{plan.settings.start} to {plan.settings.end}" if plan.settings.start else "table of directions"
+    axes.set_title(f"{TITLES[name]}, {period}", fontsize=10)
     figure.colorbar(drawn, ax=axes, label=TITLES[name])
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The plan of a study: made once, kept in its folder, opened by every process that works on it."""
+"""The plan of a study: it is made once, kept in the study's folder, and opened by every process that works on it."""
 
 from __future__ import annotations
 
@@ -23,13 +23,14 @@ from .store import Store, create_arrays, sha256_of_array, write_whole
 from .suns import Suns, suns_of
 
 #: The finest step that a study chooses by itself is 2^-10 m.
-FINEST = -10
+FINEST_EXPONENT = -10
+#: Surveys caster tiles: the study's folder and the tiles -> each tile and what Casters.surveyed() finds of it.
 SurveyRun = Callable[[str, Iterable[int]], Iterable[tuple[int, tuple[list[float], float, float, int, str]]]]
 
 
 class Plan:
-    """settings, casters, survey, suns, receivers, blocks: see their modules. exponent: of the lattice's step. hash:
-    names the plan: tasks that were done under another one are done again."""
+    """The settings, casters, survey, suns, receivers and blocks of a study. The lattice's step is 2^exponent. hash:
+    names the plan; tasks that were done under another plan are done again."""
 
     def __init__(self, folder: Path, settings: Settings, facts: dict[str, Any], device: str | None = None) -> None:
         self.folder = folder
@@ -45,16 +46,16 @@ class Plan:
         self.blocks = self.suns.blocks(settings.block)
         self.store = Store(folder)
         self.decider = Decider(settings, self.casters, self.survey, self.exponent, device)
-        self._tile: tuple[int, TileOfReceivers] | None = None  # the last one, which several blocks of suns need
+        self._tile: tuple[int, TileOfReceivers] | None = None  # the last tile, which several blocks of suns need
         self._tile_lock = threading.Lock()
 
     @classmethod
     def open(cls, folder: Path, device: str | None = None) -> Plan:
-        """Raises ValueError if the folder holds no study."""
+        """The plan in a study's folder. Raises ValueError if the folder holds no study."""
         try:
             facts = json.loads((folder / "study.json").read_text())
         except (FileNotFoundError, NotADirectoryError):
-            raise ValueError(f"{folder}: holds no study (no study.json): gnomon-study run makes one") from None
+            raise ValueError(f"{folder}: holds no study (no study.json): gnomon-study run makes a study") from None
         except json.JSONDecodeError as error:
             raise ValueError(f"{folder}/study.json: {error}: run the study again with restart") from None
         return cls(folder, Settings.from_json(facts["settings"]), facts, device)
@@ -69,21 +70,21 @@ class Plan:
         with self._tile_lock:
             if self._tile is not None and self._tile[0] == tile:
                 return self._tile[1]
-            found = self.receivers.tile(tile)
-            self._tile = (tile, found) if not found.unread else None
-            return found
+            receivers = self.receivers.tile(tile)
+            self._tile = (tile, receivers) if not receivers.unread else None
+            return receivers
 
     def receivers_of_tile(self, tile: int) -> int:
         return math.prod(s.stop - s.start for s in self.receivers.slices(tile))
 
     def suns_of_block(self, block: int) -> int:
-        up = np.isfinite(self.suns.towards[:, :, 0]).any(axis=0)
-        return int((np.isin(self.suns.word, self.blocks[block]) & up).sum())
+        is_up = np.isfinite(self.suns.towards[:, :, 0]).any(axis=0)
+        return int((np.isin(self.suns.word, self.blocks[block]) & is_up).sum())
 
     def hash_of_blocks(self, tile: int) -> str:
-        """Of what the tile's blocks hold: sums of other blocks are out of date."""
-        found = [self.store.done(tile, block, self.hash) for block in range(len(self.blocks))]
-        text = json.dumps([facts and {k: v["data"] for k, v in facts["chunks"].items()} for facts in found])
+        """A hash of the values in the tile's blocks: sums with another hash are out of date."""
+        done = [self.store.done(tile, block, self.hash) for block in range(len(self.blocks))]
+        text = json.dumps([facts and {k: v["data"] for k, v in facts["chunks"].items()} for facts in done])
         return hashlib.sha256(text.encode()).hexdigest()
 
     @property
@@ -104,41 +105,41 @@ def _stamps(settings: Settings) -> dict[str, list[int]]:
     for name in (*settings.raster, *settings.meshes):
         path = Path(name)
         if path.exists():
-            at = path.stat()
-            result[name] = [at.st_size, at.st_mtime_ns]
+            stat = path.stat()
+            result[name] = [stat.st_size, stat.st_mtime_ns]
     return result
 
 
-def made(folder: Path, settings: Settings, run_survey: SurveyRun, restart: bool = False) -> Plan:
-    """The plan of these settings in this folder: the one that is there, or a new one. Caster tiles that could not be
-    read before are tried again. Raises ValueError if another study is there, or a file has changed since."""
+def load_or_make_plan(folder: Path, settings: Settings, run_survey: SurveyRun, restart: bool = False) -> Plan:
+    """The plan of these settings in the folder, which is made if the folder has none. Caster tiles that could not be
+    read are surveyed again. Raises ValueError if the folder holds another study, or a file has changed since."""
     known = folder / "study.json"
     if known.exists() and not restart:
         plan = Plan.open(folder)
         if plan.settings.hash_of_answers() != settings.hash_of_answers():
-            raise ValueError(f"{folder}: holds a study with other settings: choose another folder, or restart it")
+            raise ValueError(f"{folder}: holds a study with other settings: choose another folder, or give restart")
         changed = [name for name, stamp in _stamps(settings).items() if plan.facts["stamps"].get(name) != stamp]
         unread = np.flatnonzero(plan.survey.unread)
         if changed and not len(unread) and not _has_unread_tasks(plan):
-            raise ValueError(f"{changed[0]}: has changed since the study began: choose another folder, or restart it")
+            raise ValueError(f"{changed[0]}: has changed since the study began: choose another folder, or give restart")
         if settings.memory_limit != plan.settings.memory_limit or changed:
             plan.facts["settings"]["memory_limit"] = settings.memory_limit
             plan.facts["stamps"] = _stamps(settings)
             write_whole(known, json.dumps(plan.facts))
         if not len(unread):
             return Plan.open(folder)
-        survey = _surveyed(folder, plan.casters, run_survey, plan.survey, unread.tolist())
+        survey = _run_survey(folder, plan.casters, run_survey, plan.survey, unread.tolist())
         if _exponent(settings, plan.casters, survey) == plan.exponent:
             survey.save(folder / "survey.npz")
             return Plan.open(folder)
-    return _made_anew(folder, settings, run_survey)
+    return _make_plan(folder, settings, run_survey)
 
 
 def _has_unread_tasks(plan: Plan) -> bool:
     return any(facts["unread"] for task in plan.tasks if (facts := plan.store.done(*task, plan.hash)))
 
 
-def _made_anew(folder: Path, settings: Settings, run_survey: SurveyRun) -> Plan:
+def _make_plan(folder: Path, settings: Settings, run_survey: SurveyRun) -> Plan:
     mosaic = open_mosaic(settings.raster) if settings.raster else None
     casters = Casters(settings, mosaic)
     (folder / "tasks").mkdir(parents=True, exist_ok=True)
@@ -151,9 +152,8 @@ def _made_anew(folder: Path, settings: Settings, run_survey: SurveyRun) -> Plan:
     crs = mosaic.crs if mosaic is not None else None
     suns = suns_of(settings, crs, receivers.box)
     suns.save(folder / "suns.npz")
-    for_survey = {"settings": json.loads(settings.as_json())}
-    write_whole(folder / "survey.json", json.dumps(for_survey))
-    survey = _surveyed(folder, casters, run_survey, None, list(range(len(casters))))
+    write_whole(folder / "survey.json", json.dumps({"settings": json.loads(settings.as_json())}))
+    survey = _run_survey(folder, casters, run_survey, None, list(range(len(casters))))
     survey.save(folder / "survey.npz")
     exponent = _exponent(settings, casters, survey)
     digest = hashlib.sha256(
@@ -174,20 +174,21 @@ def casters_to_survey(folder: str) -> Casters:
     return Casters(settings, open_mosaic(settings.raster) if settings.raster else None)
 
 
-def _surveyed(folder: Path, casters: Casters, run_survey: SurveyRun, old: Survey | None, tiles: list[int]) -> Survey:
+def _run_survey(folder: Path, casters: Casters, run_survey: SurveyRun, old: Survey | None, tiles: list[int]) -> Survey:
+    """Surveys these tiles and enters them into the old survey, or into a new one."""
     count = len(casters)
     survey = old or Survey(np.zeros((count, 4)), np.zeros(count), np.zeros(count), np.zeros(count, np.int64))
     for tile, (box, top, bottom, triangles, reason) in run_survey(str(folder), tiles):
         survey.boxes[tile], survey.tops[tile], survey.bottoms[tile] = box, top, bottom
         survey.triangles[tile] = triangles
         if reason:
-            warnings.warn(f"{reason}: what may be in its shadow is undecided until it can be read", stacklevel=2)
+            warnings.warn(f"{reason}: answers that it can shadow are undecided until it can be read", stacklevel=2)
     return survey
 
 
 def _reach(settings: Settings, survey: Survey) -> float:
-    """The farthest that a caster can be from a receiver that it shadows, in metres, by heights and the lowest sun; the
-    extent's diagonal if that is less."""
+    """The greatest distance in metres from a caster to a receiver that it can shadow, by heights and the lowest sun;
+    the extent's diagonal if that is less."""
     extent = survey.extent
     diagonal = math.hypot(extent[2] - extent[0], extent[3] - extent[1])
     heights = survey.tops[np.isfinite(survey.tops)]
@@ -203,18 +204,18 @@ def _reach(settings: Settings, survey: Survey) -> float:
 
 
 def _exponent(settings: Settings, casters: Casters, survey: Survey) -> int:
-    """Of the lattice's step: the finest from 2^-10 on for which a receiver tile and all that shadows it fit. It depends
-    on no tile's size."""
+    """The exponent of the lattice's step: the finest from 2^-10 on for which a receiver tile and the casters that can
+    shadow it fit on a lattice. It does not depend on the size of a tile."""
     cell = 0.0 if casters.mosaic is None else max(casters.mosaic.dx, casters.mosaic.dy)
     if settings.lattice is not None:
         return math.frexp(settings.lattice)[1] - 1
-    exponent = FINEST
+    exponent = FINEST_EXPONENT
     while 2 * largest_tile(settings, cell) + _reach(settings, survey) > LARGEST_SPAN * 2.0**exponent:
         exponent += 1
     if cell and cell < 8 * 2.0**exponent:
         raise ValueError(
-            f"lattice: the study reaches {_reach(settings, survey):.0f} m, for which steps of 2^{exponent} m are "
-            f"needed, too coarse for cells of {cell:g} m: raise min_elevation, or set halo_limit, or name a finer "
-            "lattice=; what it does not reach is undecided"
+            f"lattice: the study reaches {_reach(settings, survey):.0f} m, which needs steps of 2^{exponent} m, too "
+            f"coarse for cells of {cell:g} m: raise min_elevation, or set halo_limit or a finer lattice=, with which "
+            "answers beyond their reach are undecided"
         )
     return exponent

@@ -14,12 +14,12 @@ from rasterio.windows import Window
 
 
 class UnreadableError(OSError):
-    """A part of the casters cannot be read now."""
+    """A part of the casters cannot be read."""
 
 
 class _File(NamedTuple):
     name: str
-    row: int  # of its first cell in the mosaic
+    row: int  # its first cell's in the mosaic
     column: int
     rows: int
     columns: int
@@ -51,39 +51,39 @@ class Mosaic(NamedTuple):
         """(last_row - row, last_column - column) heights; NaN where there is no data. The window may leave the mosaic.
         Raises UnreadableError."""
         result = np.full((last_row - row, last_column - column), np.nan)
-        for file in reversed(self.files):  # the first file counts
+        for file in reversed(self.files):  # where files overlap the first one counts
             r0, r1 = max(row, file.row), min(last_row, file.row + file.rows)
             c0, c1 = max(column, file.column), min(last_column, file.column + file.columns)
             if r0 >= r1 or c0 >= c1:
                 continue
             part = _read(file.name, r0 - file.row, c0 - file.column, r1 - r0, c1 - c0)
-            here = result[r0 - row : r1 - row, c0 - column : c1 - column]
-            here[...] = np.where(np.isnan(part), here, part)
+            window_part = result[r0 - row : r1 - row, c0 - column : c1 - column]
+            window_part[...] = np.where(np.isnan(part), window_part, part)
         return result
 
 
 @functools.lru_cache(maxsize=64)
 def _opened(name: str, thread: int) -> Any:
-    """An open file is for one thread."""
+    """An open file serves one thread."""
     return rasterio.open(name)
 
 
 def _read(name: str, row: int, column: int, rows: int, columns: int) -> NDArray[np.float64]:
     try:
         data = _opened(name, threading.get_ident())
-        read = data.read(1, window=Window(column, row, columns, rows), masked=True)
-        heights = np.ma.filled(read.astype(np.float64), np.nan)
+        masked = data.read(1, window=Window(column, row, columns, rows), masked=True)
+        heights = np.ma.filled(masked.astype(np.float64), np.nan)
         if data.scales[0] != 1 or data.offsets[0] != 0:
             heights = heights * data.scales[0] + data.offsets[0]
     except (rasterio.errors.RasterioError, OSError, ValueError) as error:
-        _opened.cache_clear()  # the next try opens the file anew
+        _opened.cache_clear()  # the next read opens the file again
         raise UnreadableError(f"{name}: cannot be read: {error}") from error
     heights[~np.isfinite(heights)] = np.nan
     return heights
 
 
 def open_mosaic(names: tuple[str, ...]) -> Mosaic:
-    """The mosaic of the files. Raises ValueError where they do not share a grid, are rotated, or have a CRS that is not
+    """The mosaic of the files. Raises ValueError for files that share no grid, are rotated, or have a CRS that is not
     in metres."""
     opened = []
     for name in names:
@@ -92,29 +92,33 @@ def open_mosaic(names: tuple[str, ...]) -> Mosaic:
         except rasterio.errors.RasterioError as error:
             raise ValueError(f"{name}: {error}") from None
     first = opened[0]
-    t = first.transform
-    if t.b or t.d or t.a <= 0 or t.e >= 0:
+    grid = first.transform
+    if grid.b or grid.d or grid.a <= 0 or grid.e >= 0:
         raise ValueError(f"{names[0]}: the raster is rotated or not north up: warp it first (rio warp, gdalwarp)")
     _require_metres(first.crs, names[0])
-    places = []
+    placed = []
     for data, name in zip(opened, names, strict=True):
-        u = data.transform
-        column, row = (u.c - t.c) / t.a, (u.f - t.f) / t.e
+        other = data.transform
+        column, row = (other.c - grid.c) / grid.a, (other.f - grid.f) / grid.e
         tolerance = 1e-3
         is_aligned = abs(column - round(column)) < tolerance and abs(row - round(row)) < tolerance
-        if (u.a, u.b, u.d, u.e) != (t.a, 0.0, 0.0, t.e) or not is_aligned or data.crs != first.crs:
+        if (
+            (other.a, other.b, other.d, other.e) != (grid.a, 0.0, 0.0, grid.e)
+            or not is_aligned
+            or data.crs != first.crs
+        ):
             raise ValueError(f"{name}: its grid or CRS is not that of {names[0]}: warp it onto that grid first")
-        places.append((name, round(row), round(column), data.height, data.width))
+        placed.append((name, round(row), round(column), data.height, data.width))
         data.close()
-    top, left = min(p[1] for p in places), min(p[2] for p in places)
+    top, left = min(p[1] for p in placed), min(p[2] for p in placed)
     return Mosaic(
-        files=tuple(_File(p[0], p[1] - top, p[2] - left, p[3], p[4]) for p in places),
-        west=t.c + left * t.a,
-        north=t.f + top * t.e,
-        dx=t.a,
-        dy=-t.e,
-        rows=max(p[1] + p[3] for p in places) - top,
-        columns=max(p[2] + p[4] for p in places) - left,
+        files=tuple(_File(p[0], p[1] - top, p[2] - left, p[3], p[4]) for p in placed),
+        west=grid.c + left * grid.a,
+        north=grid.f + top * grid.e,
+        dx=grid.a,
+        dy=-grid.e,
+        rows=max(p[1] + p[3] for p in placed) - top,
+        columns=max(p[2] + p[4] for p in placed) - left,
         crs=first.crs.to_wkt() if first.crs else None,
     )
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Receivers by tiles: the vertices of a raster, points of a file, or points on the faces of meshes."""
+"""Tiles of receivers: the vertices of a raster, points of a file, or points on the faces of meshes."""
 
 from __future__ import annotations
 
@@ -12,14 +12,15 @@ from numpy.typing import NDArray
 from .casters import Casters, cells_of_tile, mesh_triangles
 from .rasters import UnreadableError
 from .settings import Settings
-from .suns import read_table, zone_of
+from .suns import zone_of
+from .tables import read_points
 
 
 class Part(NamedTuple):
     """Receivers of a tile that lie in one sun zone.
 
     rows: (n,) their indices in the tile, flattened. xyz: (n, 3) world coordinates. normals: (n, 3) or None.
-    window: of a raster: x (C + 2,), y (R + 2,), heights (R + 2, C + 2) and the part's vertices inside, (R, C) bool.
+    window: for a raster: x (C + 2,), y (R + 2,), heights (R + 2, C + 2); and (R, C) bool, the n vertices inside.
     """
 
     rows: NDArray[np.int64]
@@ -31,7 +32,7 @@ class Part(NamedTuple):
 
 class TileOfReceivers(NamedTuple):
     """is_valid: (n,) whether there is a receiver. is_unknown: (n,) whether its height or that of a neighbour could not
-    be read: each of its answers is undecided. unread: the caster tiles that this is due to. zones: (n, 2)."""
+    be read; then all of its answers are undecided. unread: the caster tiles that could not be read. zones: (n, 2)."""
 
     is_valid: NDArray[np.bool_]
     is_unknown: NDArray[np.bool_]
@@ -41,7 +42,7 @@ class TileOfReceivers(NamedTuple):
 
 
 class Receivers:
-    """shape: of all receivers, rows and columns or one number. chunk: of a tile."""
+    """shape: rows and columns of all receivers, or their number. chunk: the shape of a tile."""
 
     shape: tuple[int, ...]
     chunk: tuple[int, ...]
@@ -58,9 +59,9 @@ class Receivers:
         return int(np.prod(self.counts))
 
     def slices(self, tile: int) -> tuple[slice, ...]:
-        at = np.unravel_index(tile, self.counts)
+        indices = np.unravel_index(tile, self.counts)
         return tuple(
-            slice(int(i) * c, min((int(i) + 1) * c, n)) for i, c, n in zip(at, self.chunk, self.shape, strict=True)
+            slice(int(i) * c, min((int(i) + 1) * c, n)) for i, c, n in zip(indices, self.chunk, self.shape, strict=True)
         )
 
     def key(self, tile: int) -> tuple[int, ...]:
@@ -114,25 +115,27 @@ class RasterReceivers(Receivers):
         x: NDArray[np.float64],
         y: NDArray[np.float64],
         heights: NDArray[np.float64],
-        is_there: NDArray[np.bool_],
+        is_receiver: NDArray[np.bool_],
         where: tuple[NDArray[np.bool_], NDArray[np.bool_]],
         zone: tuple[int, int],
     ) -> list[Part]:
         columns, rows = np.flatnonzero(where[0]), np.flatnonzero(where[1])
         r, c = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
-        here = is_there[r, c]
-        if not here.any():
+        is_inside = is_receiver[r, c]
+        if not is_inside.any():
             return []
-        at = np.stack(np.broadcast_arrays(x[1:-1][c][None, :], y[1:-1][r][:, None], heights[1:-1, 1:-1][r, c]), axis=-1)
-        index = np.arange(is_there.size).reshape(is_there.shape)[r, c]
-        more_r, more_c = slice(r.start, r.stop + 2), slice(c.start, c.stop + 2)
-        window = (x[more_c], y[more_r], heights[more_r, more_c], here)
-        return [Part(index[here], np.ascontiguousarray(at[here]), zone, None, window)]
+        positions = np.stack(
+            np.broadcast_arrays(x[1:-1][c][None, :], y[1:-1][r][:, None], heights[1:-1, 1:-1][r, c]), axis=-1
+        )
+        index = np.arange(is_receiver.size).reshape(is_receiver.shape)[r, c]
+        r_padded, c_padded = slice(r.start, r.stop + 2), slice(c.start, c.stop + 2)
+        window = (x[c_padded], y[r_padded], heights[r_padded, c_padded], is_inside)
+        return [Part(index[is_inside], np.ascontiguousarray(positions[is_inside]), zone, None, window)]
 
     def _heights(
         self, row: int, last_row: int, column: int, last_column: int
     ) -> tuple[NDArray[np.float64], NDArray[np.bool_], list[int]]:
-        """Heights of a window, which of them could be read, and the caster tiles of the others."""
+        """Heights of a window; whether each could be read; and the caster tiles of those that could not."""
         is_read = np.ones((last_row - row, last_column - column), bool)
         try:
             return self.mosaic.heights(row, last_row, column, last_column), is_read, []
@@ -188,23 +191,23 @@ class PointReceivers(Receivers):
 
 
 def write_points(settings: Settings, file: Path) -> None:
-    """The points of a study into its folder. Raises ValueError."""
+    """Writes the points of a study into a file of its folder. Raises ValueError."""
     if settings.receivers == "points":
         assert settings.points is not None
-        values = read_table(settings.points, (3, 6))
-        if values.shape[1] == 6 and (zero := np.flatnonzero((values[:, 3:] == 0).all(axis=1))).size:
-            raise ValueError(f"{settings.points}: the normal of row {zero[0]} is zero")
+        values = read_points(settings.points)
     else:
-        found = [points_on_faces(mesh_triangles(settings, name), settings.spacing) for name in settings.meshes]
-        values = np.concatenate(found)
+        values = np.concatenate(
+            [points_on_faces(mesh_triangles(settings, name), settings.spacing) for name in settings.meshes]
+        )
     if not len(values):
-        raise ValueError("receivers: there are none")
+        raise ValueError(f"receivers: {settings.receivers!r} gives no receiver")
     np.save(file, values)
 
 
 def points_on_faces(triangles: NDArray[np.float64], spacing: float) -> NDArray[np.float64]:
-    """(N, 6) points and normals: each triangle (F, 3, 3) with an area is divided into n x n equal ones, n the longest
-    edge over the spacing, rounded up; their centres. They depend on the triangle alone, so no tile sees others."""
+    """(N, 6) points and normals: each triangle (F, 3, 3) with an area is divided into n x n equal triangles, n the
+    longest edge over the spacing, rounded up; the points are their centres. They depend on the triangle alone, not on
+    tiles."""
     result = []
     edges = np.linalg.norm(triangles - np.roll(triangles, 1, axis=1), axis=2).max(axis=1, initial=0)
     normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
@@ -216,8 +219,8 @@ def points_on_faces(triangles: NDArray[np.float64], spacing: float) -> NDArray[n
         up, down = i + j < n, i + j < n - 1
         a = np.concatenate([i[up] + 1 / 3, i[down] + 2 / 3]) / n
         b = np.concatenate([j[up] + 1 / 3, j[down] + 2 / 3]) / n
-        at = triangle[0] + a[:, None] * (triangle[1] - triangle[0]) + b[:, None] * (triangle[2] - triangle[0])
-        result.append(np.concatenate([at, np.broadcast_to(normal, at.shape)], axis=1))
+        positions = triangle[0] + a[:, None] * (triangle[1] - triangle[0]) + b[:, None] * (triangle[2] - triangle[0])
+        result.append(np.concatenate([positions, np.broadcast_to(normal, positions.shape)], axis=1))
     return np.concatenate(result) if result else np.empty((0, 6))
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The record of a run: what was computed, by what, and the hash of every chunk."""
+"""The record of a study: settings, versions, devices, counts, and the hash of every chunk."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ PACKAGES = ("gnomon", "numpy", "zarr", "dask", "rasterio", "pyproj", "pvlib", "t
 
 
 def versions() -> dict[str, str]:
-    found = {"python": platform.python_version(), "gdal": rasterio.__gdal_version__}
+    result = {"python": platform.python_version(), "gdal": rasterio.__gdal_version__}
     for name in PACKAGES:
         try:
-            found[name] = importlib.metadata.version(name)
+            result[name] = importlib.metadata.version(name)
         except importlib.metadata.PackageNotFoundError:
-            found[name] = "not installed"
-    return found
+            result[name] = "not installed"
+    return result
 
 
 def record_of(plan: Plan) -> dict[str, Any]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Runs the tasks of a study in this process or by dask, until all are done or one cannot be."""
+"""Runs the tasks of a study in this process or by dask, until all are done or one fails for good."""
 
 from __future__ import annotations
 
@@ -10,32 +10,55 @@ import os
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from . import plan as plans
-from .plan import Plan
+from .plan import Plan, casters_to_survey, load_or_make_plan
 from .record import write_record
 from .settings import Settings
-from .tasks import forget, run_task, sum_tile
+from .tasks import release_plans, run_task, sum_tile
 
-#: Calls of a process at a time: one prepares and writes while the device works for the other one.
+#: The calls that a process runs at a time: one prepares and writes while the device works for the other one.
 THREADS = 2
-#: Tries of a task that raises, or whose worker dies.
-TRIES = 4
+#: How often a task that raises, or whose worker dies, is called.
+MAX_CALLS = 4
 TILES_OF_A_SURVEY = 16
 
 
 class StudyStoppedError(RuntimeError):
-    """The study could not go on. What is done is kept: the same call goes on from there."""
+    """The study could not go on. Tasks that are done are kept: the same call goes on from there."""
 
 
+#: A key that names the call, a function and its arguments.
 Call = tuple[Any, Callable[..., Any], tuple[Any, ...]]
 
 
-class Here:
-    """Runs calls in this process, two at a time, so that one prepares and writes while the device works for the other
-    one. They end in any order."""
+@dataclass(frozen=True)
+class Execution:
+    """How a study is computed. No answer depends on it.
+
+    workers: None: this process. N: N processes of this host. "gpus", or names of devices as in gnomon.use(): a process
+        for each. "tcp://...": the address of a dask scheduler.
+    client: a distributed.Client that you have.
+    device: for all workers: a name as in gnomon.use().
+    tiles: only these receiver tiles, for job arrays. Jobs may share a folder once one has made the plan.
+    restart: begin anew, and drop the study that is in the folder.
+    check: read the chunks of done tasks, and compute damaged ones again.
+    progress: show a bar.
+    """
+
+    workers: int | str | Sequence[str] | None = None
+    client: Any = None
+    device: str | None = None
+    tiles: slice | None = None
+    restart: bool = False
+    check: bool = True
+    progress: bool = False
+
+
+class LocalExecutor:
+    """Runs calls in this process, THREADS at a time. They end in any order."""
 
     def __init__(self, device: str | None = None) -> None:
         self.device = device
@@ -47,7 +70,7 @@ class Here:
         try:
             while True:
                 for call in itertools.islice(waiting, THREADS - len(pending)):
-                    pending[pool.submit(_tried, *call)] = call[0]
+                    pending[pool.submit(call_with_retries, *call)] = call[0]
                 if not pending:
                     return
                 for future in wait(pending, return_when=FIRST_COMPLETED).done:
@@ -56,19 +79,19 @@ class Here:
             pool.shutdown(cancel_futures=True)
 
 
-def _tried(key: Any, function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
+def call_with_retries(key: Any, function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
     failures = 0
     while True:
         try:
             return function(*arguments)
         except Exception as error:
             failures += 1
-            if _is_final(error) or failures >= TRIES:
+            if _is_final(error) or failures >= MAX_CALLS:
                 raise _stopped(key, error) from error
 
 
-class Dask:
-    """Runs calls on a dask cluster, a few per worker at a time. A call whose worker dies is given to another one."""
+class DaskExecutor:
+    """Runs calls on a dask cluster, two per thread at a time. A call whose worker dies is given to another worker."""
 
     def __init__(self, client: Any, device: str | None = None) -> None:
         self.client = client
@@ -86,22 +109,21 @@ class Dask:
             pending[future] = call, failures
             done.add(future)
 
-        at_once = 2 * max(sum(self.client.nthreads().values()), 1)
-        for call in itertools.islice(waiting, at_once):
+        max_pending = 2 * max(sum(self.client.nthreads().values()), 1)
+        for call in itertools.islice(waiting, max_pending):
             submit(call)
         try:
             for future in done:
                 call, failures = pending.pop(future)
                 if future.status == "finished":
                     yield call[0], future.result()
-                    for following in waiting:
-                        submit(following)
-                        break
+                    for next_call in itertools.islice(waiting, 1):
+                        submit(next_call)
                     continue
                 error = (
                     future.exception() if future.status == "error" else RuntimeError(f"the call was {future.status}")
                 )
-                if failures + 1 >= TRIES or _is_final(error):
+                if failures + 1 >= MAX_CALLS or _is_final(error):
                     raise _stopped(call[0], error) from error
                 submit(call, failures + 1)
         finally:
@@ -109,7 +131,7 @@ class Dask:
 
 
 def _is_final(error: BaseException) -> bool:
-    """Whether another try can only fail the same way."""
+    """Whether another call can only fail in the same way."""
     return isinstance(error, ValueError | TypeError) or (
         isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EFBIG)
     )
@@ -119,31 +141,33 @@ def _stopped(key: Any, error: BaseException) -> StudyStoppedError:
     text = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
     if isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
         text = f"{error.strerror}: {error.filename or 'the study folder'}: make room"
-    return StudyStoppedError(f"task {key} failed: {text}. What is done is kept: run the same study again to go on")
+    return StudyStoppedError(
+        f"task {key} failed: {text}. Tasks that are done are kept: run the same study again to go on"
+    )
 
 
 @contextlib.contextmanager
-def workers_of(workers: int | str | Sequence[str] | None, client: Any, device: str | None) -> Iterator[Here | Dask]:
-    """What runs the calls: a dask client somebody has, its scheduler's address, a number of processes of this host,
-    "gpus" or devices by name (one process each), or this process."""
-    if client is not None:
-        yield Dask(client, device)
+def executor_of(execution: Execution) -> Iterator[LocalExecutor | DaskExecutor]:
+    """What runs the calls of a study. Clusters that it starts end with the context."""
+    workers, device = execution.workers, execution.device
+    if execution.client is not None:
+        yield DaskExecutor(execution.client, device)
         return
-    if workers in (None, 0):
-        yield Here(device)
+    if workers is None or workers == 0:
+        yield LocalExecutor(device)
         return
     import dask
     from distributed import Client
 
     if isinstance(workers, str) and "://" in workers:
         with Client(workers) as remote:
-            yield Dask(remote, device)
+            yield DaskExecutor(remote, device)
         return
     names = _devices_of(workers, device)
     config = {"distributed.scheduler.allowed-failures": 10, "distributed.worker.memory.terminate": False}
     with dask.config.set(config), _cluster(names) as cluster, Client(cluster) as local:
         local.wait_for_workers(len(names))
-        yield Dask(local, None)
+        yield DaskExecutor(local, None)
 
 
 def _devices_of(workers: int | str | Sequence[str], device: str | None) -> list[str | None]:
@@ -155,26 +179,26 @@ def _devices_of(workers: int | str | Sequence[str], device: str | None) -> list[
         return list(workers)
     from .._devices import devices
 
-    found: list[str | None] = [d.selector for d in devices() if d.type == "GPU"]
-    if not found:
+    gpus: list[str | None] = [d.selector for d in devices() if d.type == "GPU"]
+    if not gpus:
         raise ValueError('workers: "gpus": this host has no GPU with an OpenCL driver (gnomon.devices() lists devices)')
-    return found
+    return gpus
 
 
 def _cluster(names: list[str | None]) -> Any:
-    """A process for each device of this host; one that dies is started again."""
+    """A process for each device of this host; a process that dies is started again."""
     from distributed import Nanny, Scheduler, SpecCluster
 
     cores = max(1, (os.cpu_count() or 1) // len(names))
     options = {}
     for i, name in enumerate(names):
         env = {"POCL_MAX_PTHREAD_COUNT": str(cores)}
-        of_device = {"GNOMON_DEVICE": name} if name else {}
+        device_env = {"GNOMON_DEVICE": name} if name else {}
         options[i] = {
             "cls": Nanny,
             "options": {
                 "nthreads": THREADS,
-                "env": env | of_device,
+                "env": env | device_env,
                 "memory_limit": 0,
                 "dashboard": False,
                 "silence_logs": 40,
@@ -185,44 +209,37 @@ def _cluster(names: list[str | None]) -> Any:
 
 
 def survey_tiles(folder: str, tiles: list[int]) -> list[tuple[int, Any]]:
-    casters = plans.casters_to_survey(folder)
+    casters = casters_to_survey(folder)
     return [(tile, casters.surveyed(tile)) for tile in tiles]
 
 
-def run_study(
-    folder: Path,
-    settings: Settings,
-    executor: Here | Dask,
-    tiles: slice | None = None,
-    restart: bool = False,
-    check: bool = True,
-    show_progress: bool = False,
-) -> Plan:
-    """Plans, computes what is missing, and writes the record. Raises ValueError or StudyStoppedError."""
+def run_study(folder: Path, settings: Settings, execution: Execution, executor: LocalExecutor | DaskExecutor) -> Plan:
+    """Plans, computes missing tasks, and writes the record. Raises ValueError or StudyStoppedError."""
 
-    def run_survey(at: str, wanted: Iterable[int]) -> Iterator[tuple[int, Any]]:
-        todo = list(wanted)
-        groups = [todo[i : i + TILES_OF_A_SURVEY] for i in range(0, len(todo), TILES_OF_A_SURVEY)]
-        for _, found in executor.run((f"survey {g[0]}", survey_tiles, (at, g)) for g in groups):
-            yield from found
+    def run_survey(study_folder: str, tiles: Iterable[int]) -> Iterator[tuple[int, Any]]:
+        waiting = list(tiles)
+        groups = [waiting[i : i + TILES_OF_A_SURVEY] for i in range(0, len(waiting), TILES_OF_A_SURVEY)]
+        for _, surveyed in executor.run((f"survey {g[0]}", survey_tiles, (study_folder, g)) for g in groups):
+            yield from surveyed
 
     folder.mkdir(parents=True, exist_ok=True)
-    plan = plans.made(folder, settings, run_survey, restart)
-    chosen = range(len(plan.receivers))[tiles or slice(None)]
+    plan = load_or_make_plan(folder, settings, run_survey, execution.restart)
+    tiles = range(len(plan.receivers))[execution.tiles or slice(None)]
+    check = execution.check
     try:
-        for _ in range(2):  # what could not be read is tried once more
-            if not _run_blocks(plan, chosen, executor, check, show_progress):
+        for _ in range(2):  # tasks that lacked a caster tile run once more
+            if not _run_blocks(plan, tiles, executor, check, execution.progress):
                 break
             check = False
-        _run_sums(plan, chosen, executor)
+        _run_sums(plan, tiles, executor)
     finally:
-        forget()
+        release_plans()
     write_record(plan)
     return plan
 
 
 def missing_tasks(plan: Plan, tiles: Iterable[int], check: bool) -> list[tuple[int, int]]:
-    """Tasks that are not done, or whose chunks are not those that they wrote, or that lacked a caster tile."""
+    """Tasks that are not done, or whose chunks are not the ones that they wrote, or that lacked a caster tile."""
     missing = []
     for tile in tiles:
         for block in range(len(plan.blocks)):
@@ -232,9 +249,11 @@ def missing_tasks(plan: Plan, tiles: Iterable[int], check: bool) -> list[tuple[i
     return missing
 
 
-def _run_blocks(plan: Plan, tiles: Iterable[int], executor: Here | Dask, check: bool, show_progress: bool) -> bool:
-    """Runs the missing tasks; whether some of them lacked a caster tile. The bar counts decisions (receivers x suns),
-    and has their rate and the time that is left."""
+def _run_blocks(
+    plan: Plan, tiles: Iterable[int], executor: LocalExecutor | DaskExecutor, check: bool, progress: bool
+) -> bool:
+    """Runs the missing tasks. Returns whether any of them lacked a caster tile. The bar counts decisions, receivers x
+    suns."""
     from tqdm import tqdm
 
     missing = missing_tasks(plan, tiles, check)
@@ -242,21 +261,21 @@ def _run_blocks(plan: Plan, tiles: Iterable[int], executor: Here | Dask, check: 
     calls = (
         (f"tile {t}, block {b}", run_task, (str(plan.folder), plan.hash, t, b, executor.device)) for t, b in missing
     )
-    lacks = False
+    has_unread = False
     with tqdm(
-        total=sum(decisions.values()), unit=" decisions", unit_scale=True, disable=not show_progress, file=sys.stderr,
+        total=sum(decisions.values()), unit=" decisions", unit_scale=True, disable=not progress, file=sys.stderr,
         smoothing=0.1,
     ) as bar:  # fmt: skip
         for key, facts in executor.run(calls):
             bar.update(decisions[key])
-            lacks = lacks or bool(facts["unread"])
-    return lacks
+            has_unread = has_unread or bool(facts["unread"])
+    return has_unread
 
 
-def _run_sums(plan: Plan, tiles: Iterable[int], executor: Here | Dask) -> None:
+def _run_sums(plan: Plan, tiles: Iterable[int], executor: LocalExecutor | DaskExecutor) -> None:
     if not plan.has_sums:
         return
-    todo = []
+    calls = []
     for tile in tiles:
         facts = plan.store.done(tile, None, plan.hash)
         if (
@@ -265,6 +284,6 @@ def _run_sums(plan: Plan, tiles: Iterable[int], executor: Here | Dask) -> None:
             or facts["unread"]
             or plan.store.changed_chunks(facts)
         ):
-            todo.append((f"sums of tile {tile}", sum_tile, (str(plan.folder), plan.hash, tile)))
-    for _ in executor.run(todo):
+            calls.append((f"sums of tile {tile}", sum_tile, (str(plan.folder), plan.hash, tile)))
+    for _ in executor.run(calls):
         pass

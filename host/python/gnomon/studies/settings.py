@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What a study is asked for: the arguments of gnomon.study() and the keys of study.toml, which are the same."""
+"""The settings of a study: arguments of gnomon.study(), and keys of study.toml of the same names."""
 
 from __future__ import annotations
 
@@ -29,43 +29,45 @@ class Settings:
     raster: GeoTIFF files of heights (a DSM or DEM) on one grid, north up: a mosaic; where files overlap the first one
         counts. Names may hold * and ?. The centres of cells are vertices. The diagonal of each square of four centres
         runs from south-west to north-east. A triangle with a nodata corner does not exist.
-    meshes: files in the study's coordinates less mesh_offset: CityJSON (.json, .city.json, .jsonl), of each object its
-        highest level of detail; or what trimesh loads (glTF, OBJ, PLY, STL).
+    meshes: files in the study's coordinates less mesh_offset: CityJSON (.json, .city.json, .jsonl), from which each
+        object has its highest level of detail; or a format that trimesh loads (glTF, OBJ, PLY, STL).
     mesh_up: "z", or "y" for meshes whose y is up (x, y, z becomes x, -z, y); None: "y" for glTF files, else "z".
     mesh_offset: (3,) is added to the coordinates of meshes, in float64.
     receivers: "raster": the centres of the raster's cells; "points": the rows of the file `points`; "faces": points on
         the faces of the meshes, `spacing` apart.
-    points: a .npy file of (N, 3) or (N, 6) float64, or a .csv file with a heading, x,y,z or x,y,z,nx,ny,nz. Points with
-        a normal lie on a surface: they are lifted off it by a proven number of steps, and are dark where the light is
-        not strictly on the normal's side. Points without one are taken as they are.
-    crs: of the coordinates, as pyproj takes it; None: the raster's.
+    points: a .npy file of (N, 3) or (N, 6) float64, or a .csv file with the columns x, y, z and perhaps nx, ny, nz. A
+        point with a normal lies on a surface: it is lifted off the surface by a proven number of steps, and is dark
+        where the light is not strictly on the normal's side. A point without a normal stays where it is.
+    crs: the coordinates' CRS as pyproj takes it; None: the raster's.
 
     Suns:
-    start, end: the first and the last moment, ISO 8601. A time without a zone is in the zone of utc_offset.
-    step: minutes. A sun stands in the middle of each step, and stands for the whole step.
+    start, end: the first and the last moment, ISO 8601. A time without a time zone is in the zone of utc_offset.
+    step: minutes. The sun in the middle of each step counts for the whole step.
     utc_offset: hours that local time is ahead of UTC. It names the hours of packed bits.
     elevation: "true", or "apparent": raised by the refraction of the air at `pressure` (Pa) and `temperature` (C).
-    min_elevation: suns below this elevation are left out, and counted.
-    zone: the side of sun zones. A zone's suns are those of its centre.
-    directions: a .csv or .npy file instead of times: x,y,z or x,y,z,weight: along which the light travels, in the
-        study's coordinates, from above.
+    min_elevation: suns of start..end below this elevation are left out, and counted.
+    zone: the side of sun zones. The suns of a zone's centre serve the whole zone.
+    directions: a table of suns instead of times, a .csv or .npy file (docs/studies.md). The light travels along its
+        x, y, z, downwards; z points up unless the column `up` says y.
     weights: a .csv or .npy file of one number per sun of start..end, below the horizon too (W h/m2, say).
     sun_disk: 0: the sun is a point. N: N directions on a disk of .533 degrees for each sun.
-    sky: 0, or a division of Tregenza's sky: N x N points on the whole hemisphere, weighted by cos(zenith) x angle.
+    sky: 0, or N, 1 to 16: each of Tregenza's 145 patches of the sky is N x N suns, which weigh cos(zenith) x solid
+        angle.
     curvature: lower casters and receivers by the Earth's curvature around the zone's centre.
     refraction_of_ground: the coefficient k of rays along the ground: the Earth's radius is divided by 1 - k. It counts
         only with curvature.
 
-    What is cut, and how work is divided:
+    Limits, and how work is divided:
     lattice: the step, a power of two; None: the finest from 2^-10 on that holds the study's reach.
-    outside: None: nothing stands beyond the casters' extent, which is the user's word. A number: what stands there is
-        nowhere higher than this; a ray that leaves the extent below it is undecided.
-    halo_limit: None, or the farthest distance that casters are loaded from. Farther ones are not tested: undecided.
+    outside: None: nothing stands beyond the casters' extent, which the user warrants. A number: nothing there is higher
+        than this; the answer for a ray that leaves the extent below it is undecided.
+    halo_limit: None, or the greatest distance at which casters are tested. An answer that a farther caster can change
+        is undecided.
     memory_limit: bytes of casters that a task holds at once. It changes no answer.
     tile: cells on a side of a receiver tile; tile x tile points for lists of points. It changes no answer.
     caster_tile: cells on a side of a caster tile. It changes no decided answer.
-    block: about how many suns a task takes. It changes no answer.
-    outputs: of "hours" (hours of sun), "bits" (each answer) and "weights" (sums of weights).
+    block: the approximate number of suns of a task. It changes no answer.
+    outputs: any of "hours" (hours of sun), "bits" (each answer) and "weights" (sums of weights).
     """
 
     raster: tuple[str, ...] = ()
@@ -105,17 +107,17 @@ class Settings:
             check(self)
 
     def as_json(self) -> str:
-        """The settings as one line, with keys in their order."""
+        """The settings as one line of JSON, with the keys in the order of the fields."""
         return json.dumps(dataclasses.asdict(self))
 
     @classmethod
     def from_json(cls, values: dict[str, Any]) -> Settings:
-        """The settings from what json.loads() makes of as_json(); lists become tuples."""
-        taken: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in values.items()}
-        return cls(**taken)
+        """The settings from the dictionary that json.loads() makes of as_json(); lists become tuples."""
+        fields: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in values.items()}
+        return cls(**fields)
 
     def hash_of_answers(self) -> str:
-        """Names the study that these settings describe; memory_limit changes no answer and does not count."""
+        """Names the study that these settings describe, without memory_limit, which changes no answer."""
         values = dataclasses.asdict(self)
         del values["memory_limit"]
         return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()
@@ -141,8 +143,8 @@ def _check_scene(s: Settings) -> None:
 
 
 def _check_suns(s: Settings) -> None:
-    given = [s.start is not None or s.end is not None, s.directions is not None, s.sky > 0]
-    _need(sum(given) == 1, "suns: give start and end, or directions, or sky: one of them")
+    sources = [s.start is not None or s.end is not None, s.directions is not None, s.sky > 0]
+    _need(sum(sources) == 1, "suns: give start and end, or directions, or sky: one of them")
     _need((s.start is None) == (s.end is None), "start, end: one needs the other")
     _need(s.step > 0 and abs(s.step * 60 - round(s.step * 60)) < 1e-9, f"step: {s.step} is not whole seconds")
     _need(s.elevation in ("true", "apparent"), f"elevation: {s.elevation!r} is neither 'true' nor 'apparent'")
@@ -150,6 +152,7 @@ def _check_suns(s: Settings) -> None:
     _need(s.zone > 0, f"zone: {s.zone} must be above 0")
     _need(s.sun_disk == 0 or s.start is not None, "sun_disk: needs start and end")
     _need(0 <= s.sun_disk <= 1024, f"sun_disk: {s.sun_disk} is not between 0 and 1024")
+    _need(0 <= s.sky <= 16, f"sky: {s.sky} is not between 0 and 16")
     _need(s.weights is None or s.start is not None, "weights: one per sun of start..end; directions have their own")
     _need(
         not (s.sun_disk and "bits" in s.outputs),
@@ -163,60 +166,60 @@ def _check_suns(s: Settings) -> None:
 
 def _check_work(s: Settings) -> None:
     unknown = sorted({*s.outputs} - {*OUTPUTS})
-    _need(bool(s.outputs) and not unknown, f"outputs: {unknown or 'nothing'}: must be some of {', '.join(OUTPUTS)}")
+    _need(bool(s.outputs) and not unknown, f"outputs: {unknown or 'nothing'}: must be any of {', '.join(OUTPUTS)}")
     for name in ("tile", "caster_tile", "block"):
         _need(1 <= getattr(s, name) <= 1 << 16, f"{name}: {getattr(s, name)} is not between 1 and 65536")
     if s.lattice is not None:
-        exact = s.lattice > 0 and math.isfinite(s.lattice) and math.frexp(s.lattice)[0] == 0.5
-        _need(exact, f"lattice: the step {s.lattice!r} is not a power of two, such as 2**-10")
+        is_power = s.lattice > 0 and math.isfinite(s.lattice) and math.frexp(s.lattice)[0] == 0.5
+        _need(is_power, f"lattice: the step {s.lattice!r} is not a power of two, such as 2**-10")
     _need(s.halo_limit is None or s.halo_limit >= 0, f"halo_limit: {s.halo_limit} must not be below 0")
     _need(s.memory_limit >= 1 << 20, f"memory_limit: {s.memory_limit} is below a mebibyte")
 
 
 def _files(value: Any, folder: Path) -> tuple[str, ...]:
-    """Paths, absolute, with * and ? filled in; the order is the given one, and sorted within a pattern."""
-    given = [value] if isinstance(value, str | Path) else list(value)
-    found: list[str] = []
-    for name in map(str, given):
-        at = name if "://" in name else str((folder / name).absolute())
-        matches = sorted(glob.glob(at)) if re.search(r"[*?]", name) else [at]
+    """Absolute paths in the given order. A name with * or ? stands for its matches, sorted."""
+    names = [value] if isinstance(value, str | Path) else list(value)
+    paths: list[str] = []
+    for name in map(str, names):
+        path = name if "://" in name else str((folder / name).absolute())
+        matches = sorted(glob.glob(path)) if re.search(r"[*?]", name) else [path]
         _need(bool(matches), f"{name}: there is no such file")
-        found += matches
-    return tuple(found)
+        paths += matches
+    return tuple(paths)
 
 
 def settings_of(values: dict[str, Any], folder: Path | None = None) -> Settings:
-    """Checked settings of arguments or of a file's keys. Paths are relative to the folder. Raises ValueError, which
+    """Checked settings from arguments or a file's keys. Paths are relative to the folder. Raises ValueError, which
     names the argument."""
     known = {field.name for field in dataclasses.fields(Settings)}
     unknown = sorted(set(values) - known)
     _need(not unknown, f"{', '.join(unknown)}: there is no such setting; there are {', '.join(sorted(known))}")
-    taken = {key: value for key, value in values.items() if value is not None}
+    fields = {key: value for key, value in values.items() if value is not None}
     base = Path.cwd() if folder is None else folder
     for key in ("raster", "meshes"):
-        if key in taken:
-            taken[key] = _files(taken[key], base)
+        if key in fields:
+            fields[key] = _files(fields[key], base)
     for key in ("points", "directions", "weights"):
-        if key in taken:
-            taken[key] = _files(taken[key], base)[0]
+        if key in fields:
+            fields[key] = _files(fields[key], base)[0]
     for key in ("start", "end", "crs"):
-        if key in taken:
-            taken[key] = taken[key].isoformat() if hasattr(taken[key], "isoformat") else str(taken[key])
-    if "outputs" in taken:
-        given = [taken["outputs"]] if isinstance(taken["outputs"], str) else taken["outputs"]
-        taken["outputs"] = tuple(o for o in OUTPUTS if o in given) + tuple(o for o in given if o not in OUTPUTS)
-    elif taken.get("sky"):
-        taken["outputs"] = ("weights",)
-    elif "directions" in taken:
-        taken["outputs"] = ("bits", "weights")
-    elif taken.get("sun_disk"):
-        taken["outputs"] = ("hours",)
-    if "mesh_offset" in taken:
-        taken["mesh_offset"] = tuple(float(x) for x in taken["mesh_offset"])
+        if key in fields:
+            fields[key] = fields[key].isoformat() if hasattr(fields[key], "isoformat") else str(fields[key])
+    if "outputs" in fields:
+        outputs = [fields["outputs"]] if isinstance(fields["outputs"], str) else fields["outputs"]
+        fields["outputs"] = tuple(o for o in OUTPUTS if o in outputs) + tuple(o for o in outputs if o not in OUTPUTS)
+    elif fields.get("sky"):
+        fields["outputs"] = ("weights",)
+    elif "directions" in fields:
+        fields["outputs"] = ("bits", "weights")
+    elif fields.get("sun_disk"):
+        fields["outputs"] = ("hours",)
+    if "mesh_offset" in fields:
+        fields["mesh_offset"] = tuple(float(x) for x in fields["mesh_offset"])
     for key in ("step", "utc_offset", "min_elevation", "zone", "spacing", "pressure", "temperature"):
-        if key in taken:
-            taken[key] = _number(key, taken[key])
-    return Settings(**taken)
+        if key in fields:
+            fields[key] = _number(key, fields[key])
+    return Settings(**fields)
 
 
 def _number(key: str, value: Any) -> float:
@@ -232,7 +235,7 @@ def _number(key: str, value: Any) -> float:
 
 
 def read_toml(path: str | Path) -> tuple[Settings, dict[str, Any]]:
-    """The settings of a file, and its table [run]: folder, workers and the like. Raises ValueError or OSError."""
+    """The settings of a file, and its table [run]: folder, workers, device. Raises ValueError or OSError."""
     file = Path(path)
     try:
         values = tomllib.loads(file.read_text())

@@ -3,13 +3,13 @@
 
     study.json        the settings and what was planned: lattice, sizes, hashes of what follows
     suns.npz          the table of suns; survey.npz the caster tiles; points.npy the receivers that are no raster
-    results.zarr      lit, undecided, sun_hours, ...: what the study is for
+    results.zarr      lit, undecided, sun_hours, ...: the study's results
     partials.zarr     whole-number sums of each block of suns
     tasks/T-B.json    a task that is done: hashes of its chunks; tasks/T-sum.json: the sums of a tile
     record.json       versions, devices, hashes of all chunks
 
 A task is a tile of receivers x a block of suns. It alone writes its chunks; the file of the task follows its chunks.
-Files appear whole: they are written beside their place and renamed.
+Files appear whole: each is written under another name and renamed.
 """
 
 from __future__ import annotations
@@ -36,14 +36,14 @@ RESULTS, PARTIALS = "results.zarr", "partials.zarr"
 
 
 def write_whole(path: Path, text: str) -> None:
-    """The file appears whole or not at all."""
-    beside = path.with_name(f".{path.name}.{uuid.uuid4().hex}.partial")
+    """Writes a file that appears whole or not at all."""
+    partial = path.with_name(f".{path.name}.{uuid.uuid4().hex}.partial")
     try:
-        with beside.open("w") as file:
+        with partial.open("w") as file:
             file.write(text)
-        os.replace(beside, path)
+        os.replace(partial, path)
     except BaseException:
-        beside.unlink(missing_ok=True)
+        partial.unlink(missing_ok=True)
         raise
 
 
@@ -52,7 +52,7 @@ def sha256_of(data: bytes | memoryview) -> str:
 
 
 def sha256_of_array(values: NDArray[Any]) -> str:
-    """Of the values in raster order, little-endian: it does not depend on chunks or on compression."""
+    """sha256 of the values in raster order, little-endian: it does not depend on chunks or on compression."""
     return sha256_of(np.ascontiguousarray(values, values.dtype.newbyteorder("<")).view(np.uint8).data)
 
 
@@ -62,7 +62,7 @@ def _sha256_of_zeros(size: int) -> str:
 
 
 class Store:
-    """The arrays and files of a study's folder. Arrays are opened when they are first used."""
+    """The arrays and files of a study's folder. Arrays are opened at their first use."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -77,15 +77,17 @@ class Store:
             self._arrays[name] = zarr.open_array(str(self.folder / path / array), mode="r+")
         return self._arrays[name]
 
-    def write(self, name: str, at: tuple[Any, ...], values: NDArray[Any], chunk: tuple[int, ...]) -> dict[str, Any]:
-        """Writes one chunk; returns its entry for the task's file: hashes of the values and of the file, which is None
-        where a chunk of zeros has none."""
+    def write(
+        self, name: str, indices: tuple[Any, ...], values: NDArray[Any], chunk: tuple[int, ...]
+    ) -> dict[str, Any]:
+        """Writes one chunk; returns its entry for the task's file: hashes of the values and of the file, None for a
+        chunk of zeros, which has no file."""
         array = self.array(name)
         if array.fill_value == 0 and not values.any():
             if self._file(name, chunk).exists():
-                array[at] = values  # it removes the file
+                array[indices] = values  # zarr removes the file
             return {"data": _sha256_of_zeros(values.nbytes), "file": self.file_hash(name, chunk)}
-        array[at] = values
+        array[indices] = values
         return {"data": sha256_of_array(values), "file": self.file_hash(name, chunk)}
 
     def _file(self, name: str, chunk: tuple[int, ...]) -> Path:
@@ -114,7 +116,7 @@ class Store:
         return facts if facts.get("plan") == plan else None
 
     def changed_chunks(self, facts: Mapping[str, Any]) -> list[str]:
-        """The chunks of a done task whose files are not those that it wrote."""
+        """The chunks of a done task whose files are not the ones that it wrote."""
         changed = []
         for key, entry in facts["chunks"].items():
             name, chunk = key.split("/c/")
@@ -130,7 +132,7 @@ def _dimensions(receivers: Receivers) -> tuple[str, ...]:
 def create_arrays(
     folder: Path, settings: Settings, suns: Suns, receivers: Receivers, block_count: int, crs: str | None
 ) -> None:
-    """Makes the empty arrays. Ones that are there are replaced."""
+    """Makes the empty arrays, and replaces old ones."""
     shape, chunk, dims = receivers.shape, receivers.chunk, _dimensions(receivers)
     chunk = tuple(min(c, n) for c, n in zip(chunk, shape, strict=True))
     results = zarr.open_group(str(folder / RESULTS), mode="w")
@@ -152,7 +154,10 @@ def create_arrays(
 
     word = ("word", suns.word_count)
     if "bits" in settings.outputs:
-        for name, text in (("lit", "1: the sun is seen"), ("undecided", "1: nobody knows whether the sun is seen")):
+        for name, text in (
+            ("lit", "1: the sun is seen"),
+            ("undecided", "1: it is not decided whether the sun is seen"),
+        ):
             make(results, name, (word,), "uint32", 0, long_name=f"packed bits, {text}")
     block = ("block", block_count)
     for output, name, long_name, units in (
@@ -184,11 +189,11 @@ def _write_coordinates(results: Any, settings: Settings, suns: Suns, receivers: 
         if wkt:
             import pyproj
 
-            known = pyproj.CRS.from_user_input(wkt)
-            attributes |= {"crs_wkt": known.to_wkt(), "spatial_ref": known.to_wkt()}
+            wkt = pyproj.CRS.from_user_input(wkt).to_wkt()
+            attributes |= {"crs_wkt": wkt, "spatial_ref": wkt}
         put("spatial_ref", np.int64(0), [], **attributes)
     else:
-        values = np.asarray(getattr(receivers, "values"))  # noqa: B009  # points have them
+        values = np.asarray(getattr(receivers, "values"))  # noqa: B009  # PointReceivers have it
         for axis, name in enumerate("xyz"):
             put(name, values[:, axis], ["point"])
     if suns.is_hourly:

@@ -10,12 +10,13 @@ import numpy as np
 
 from .plan import Plan
 from .store import sha256_of_array
-from .tasks import computed
+from .tasks import compute_task
 
 
 class Verified(NamedTuple):
-    """tasks: recomputed. missing: not done yet. damaged: chunks whose files are not those that were written. wrong:
-    chunks that another computation fills otherwise. device: what recomputed them."""
+    """tasks: the number of tasks that were recomputed. missing: the number that are not done yet. damaged: chunks whose
+    files are not the ones that were written. wrong: chunks for which the recomputed values differ. device: the device
+    that recomputed the tasks."""
 
     tasks: int
     missing: int
@@ -29,8 +30,8 @@ class Verified(NamedTuple):
 
 
 def verify(folder: Path, share: float = 0.05, device: str | None = None, seed: int | None = None) -> Verified:
-    """Checks the files of all chunks, then computes a random share of the tasks, at least one, on a device, another
-    one than before for preference. It writes nothing. Raises ValueError."""
+    """Checks the files of all chunks, then computes a random share of the tasks, at least one, preferably on another
+    device than before. It writes nothing. Raises ValueError."""
     if not 0 <= share <= 1:
         raise ValueError(f"share: {share} is not between 0 and 1")
     plan = Plan.open(folder, device)
@@ -47,7 +48,7 @@ def verify(folder: Path, share: float = 0.05, device: str | None = None, seed: i
     count = min(len(done), max(1, round(share * len(done)))) if share else 0
     for i in np.random.default_rng(seed).choice(len(done), count, replace=False).tolist() if count else []:
         tile, block, facts = done[i]
-        values, _ = computed(plan, tile, block)
+        values, _ = compute_task(plan, tile, block)
         for name, (leading, array) in values.items():
             key = f"{name.split('@')[0]}/c/{'/'.join(map(str, (leading, *plan.receivers.key(tile))))}"
             if facts["chunks"][key]["data"] != sha256_of_array(array):

@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: MIT
+"""One table of suns serves gnomon hours, whose scenes have y up, and studies, in which z is up."""
+
+import math
+from pathlib import Path
+
+import gnomon
+import numpy as np
+import pyproj
+import pytest
+import trimesh
+from gnomon.studies.settings import settings_of
+from gnomon.studies.suns import suns_of
+from gnomon.studies.tables import read_points, read_suns, read_weights
+from made import UTM, bits, run, write_raster
+from meshes import box
+
+# Made by hand: the same two suns; tests/command/suns_test.cpp has the other half.
+TABLES = Path(__file__).parents[2] / "command"
+OF_HOURS, OF_STUDY = TABLES / "suns_of_hours.csv", TABLES / "suns_of_study.csv"
+TOWARDS = np.float32([[0.6, 0, 0.8], [-0.5, -0.75, 0.25]])  # z up
+
+
+def suns(file, crs=None, box=(0, 0, 1, 1), **more):
+    return suns_of(settings_of(dict(raster=__file__, directions=str(file)) | more), crs, box)
+
+
+@pytest.mark.parametrize("file", [OF_HOURS, OF_STUDY], ids=["hours", "study"])
+def test_a_table_of_either_program_has_the_same_suns(file):
+    found = suns(file)
+    assert found.towards.tolist() == [TOWARDS.tolist()]
+    assert np.ldexp(found.weights.astype(float), found.exponent).tolist() == [0.5, 2]
+    assert not np.signbit(found.towards[0, 0, 1]), "no minus zero"
+
+
+def test_a_study_writes_the_table_that_it_reads(tmp_path):
+    raster = write_raster(tmp_path / "dsm.tif", np.zeros((4, 4)))
+    study = run(tmp_path / "s", raster=raster, directions=str(OF_HOURS))
+    assert study.export(tmp_path / "suns.csv", what="suns") == [tmp_path / "suns.csv"]
+    assert (tmp_path / "suns.csv").read_text() == OF_STUDY.read_text()
+    with pytest.raises(ValueError, match="what: a table of suns is for one sun zone, and this study has 4"):
+        run(tmp_path / "zones", raster=raster, directions=str(OF_HOURS), zone=50).export(tmp_path / "s.csv", "suns")
+
+
+def test_the_suns_of_a_day_go_round(tmp_path):
+    raster = write_raster(tmp_path / "dsm.tif", np.zeros((4, 4)))
+    day = run(tmp_path / "day", raster=raster, start="2026-03-20", end="2026-03-21", step="30min", utc_offset=1)
+    day.export(tmp_path / "day.csv", what="suns")
+    towards = day.plan.suns.towards[0]
+    is_up = np.isfinite(towards[:, 0])
+    again = suns(tmp_path / "day.csv")
+    assert (again.towards[0] == towards[is_up]).all() and 20 < is_up.sum() < 24
+    assert np.ldexp(again.weights.astype(float), again.exponent).tolist() == [0.5] * int(is_up.sum())
+    lines = (tmp_path / "day.csv").read_text().splitlines()
+    assert lines[0] == "time,x,y,z,up,weight"
+    assert [line.split(",")[0] for line in lines[1:]] == np.array(day.plan.suns.times)[is_up].tolist()
+
+
+def test_a_mesh_with_y_up_gets_the_same_light(tmp_path):
+    """A scene with y up, lit along x, y, z of the file of gnomon hours as they are; and a study of the same mesh."""
+    triangles = np.concatenate([box(3, 2, 4, 5, 7), box(12, 9, 3, 2, 11)])
+    corners = triangles.reshape(-1, 3)
+    trimesh.Trimesh(corners, np.arange(len(corners)).reshape(-1, 3), process=False).export(tmp_path / "m.ply")
+    points = np.float32(np.random.default_rng(8).random((600, 3)) * [20, 15, 12])
+    rows = [line.split(",") for line in OF_HOURS.read_text().splitlines()]
+    x, y, z = (rows[0].index(name) for name in "xyz")
+    scene = gnomon.Scene(triangles.astype(np.float32), lattice=2**-10)
+    expected = [scene.lit(points, direction=[float(row[i]) for i in (x, y, z)]) for row in rows[1:]]
+    np.save(tmp_path / "p.npy", np.stack([points[:, 0], -points[:, 2], points[:, 1]], axis=1).astype(float))
+    study = run(tmp_path / "s", meshes=str(tmp_path / "m.ply"), mesh_up="y", receivers="points",
+                points=str(tmp_path / "p.npy"), directions=str(OF_HOURS), outputs=["bits"])  # fmt: skip
+    assert (bits(study) == expected).all() and all(0.05 < lit.mean() < 0.99 for lit in expected)
+
+
+def test_angles_count_from_true_north(tmp_path):
+    """Without a CRS the map's north is true north; with one the meridian tells where it lies, 2.8 degrees away here."""
+    file = tmp_path / "angles.csv"
+    file.write_text("elevation,azimuth,note\n30,180,a\n-1,0,below\n0,0,below\n90,0,zenith\n")
+    found = suns(file)
+    expected = [[0, -math.cos(math.pi / 6), 0.5], [0, 0, 1]]
+    assert np.allclose(found.towards[0], expected, atol=1e-7) and found.notes["suns_left_out"] == 2
+    to_map = pyproj.Transformer.from_crs("EPSG:4326", UTM, always_xy=True)
+    x, y = to_map.transform(12.9, 46.5)
+    found = suns(file, UTM, (x, y, x, y), zone=100)
+    longitude, latitude = pyproj.Transformer.from_crs(UTM, "EPSG:4326", always_xy=True).transform(
+        *found.centre(tuple(found.zones[0]))
+    )
+    a, b = (np.array(to_map.transform(longitude, latitude + d)) for d in (1e-4, -1e-4))
+    south = (b - a) / np.linalg.norm(b - a)
+    assert np.allclose(found.towards[0, 0, :2], south * math.cos(math.pi / 6), atol=1e-6) and abs(south[0]) > 0.04
+
+
+def test_tables_of_all_kinds(tmp_path):
+    file = tmp_path / "suns.csv"
+
+    def read(text):
+        file.write_text(text)
+        return read_suns(str(file))
+
+    table = read("0.1,0.25,-1\n\n# a comment\n0,0,-1\n")
+    assert table.towards.tolist() == np.float32([[-0.1, -0.25, 1], [0, 0, 1]]).tolist()
+    assert table.weights.tolist() == [1, 1] and read("0,0,-1,2.5\n").weights.tolist() == [2.5]
+    table = read('weight, z ,note,"y",x\r\n-7,-3,"a, b",-2,-1\r\n')
+    assert table.towards.tolist() == [[1, 2, 3]] and table.weights.tolist() == [-7]
+    table = read("up,x,y,z\ny,1,-2,3\nz,1,2,-3\n")
+    assert table.towards.tolist() == [[-1, 3, 2], [-1, -2, 3]]
+    assert read("azimuth,elevation,x,y,z\n0,-1,0,0,1\n0,45,0,-1,-1\n").towards.tolist() == [[0, 1, 1]]
+    np.save(tmp_path / "suns.npy", [[0, 0, -1, 3.0]])
+    assert read_suns(str(tmp_path / "suns.npy")).weights.tolist() == [3]
+
+
+@pytest.mark.parametrize(
+    "text, sentence",
+    [
+        ("a,b,c\n1,2,3\n", ": a table of suns needs the columns x, y, z or azimuth, elevation"),
+        ("", ": a table of suns needs the columns x, y, z or azimuth, elevation"),
+        ("x,y,z\n1,2\n", ", line 2 has 2 columns in place of 3"),
+        ("1,2\n", ": must have 3 or 4 columns, or names for its 2"),
+        ("# text\nx,y,z\n\n1,2,nan\n", ', line 4 has z = "nan", which is no finite number'),
+        ("x,y,z\n1,2,-3x\n", ', line 2 has z = "-3x", which is no finite number'),
+        ("x,y,z\n1,2,-3\n1,0,0\n", ", line 3 has x, y, z of light that does not travel downwards"),
+        ("x,y,z,up\n1,2,-3,y\n", ", line 2 has x, y, z of light that does not travel downwards"),
+        ("x,y,z,up\n1,2,-3,x\n", ', line 2 has up = "x", which is neither y nor z'),
+        ("x,y,z\n1,2,-1e39\n", ", line 2 has x, y, z beyond float32"),
+        ("azimuth,elevation\n10,91\n", ", line 2 has an elevation beyond 90 degrees"),
+        ("x,y,z\n", ": has no suns"),
+        ("azimuth,elevation\n10,-1\n", ": has no suns above the horizon"),
+    ],
+)
+def test_bad_tables_are_one_sentence(tmp_path, text, sentence):
+    file = tmp_path / "suns.csv"
+    file.write_text(text)
+    with pytest.raises(ValueError) as error:
+        suns(file)
+    assert str(error.value) == f"{file}{sentence}"
+
+
+def test_weights_and_points_are_tables_too(tmp_path):
+    file = tmp_path / "table.csv"
+    file.write_text("dni\n1\n2.5\n")
+    assert read_weights(str(file), 2).tolist() == [1, 2.5]
+    with pytest.raises(ValueError, match="has 2 weights, and must have 3, one per sun of start..end"):
+        read_weights(str(file), 3)
+    file.write_text("nz,z,nx,x,y,ny\n6,3,4,1,2,5\n0,3,0,1,2,0\n")
+    with pytest.raises(ValueError, match="table.csv, line 3 has nx, ny, nz = 0, 0, 0, which is no side"):
+        read_points(str(file))
+    file.write_text("nz,z,nx,x,y,ny\n6,3,4,1,2,5\n")
+    assert read_points(str(file)).tolist() == [[1, 2, 3, 4, 5, 6]]
+    np.save(tmp_path / "table.npy", np.ones((2, 4)))
+    with pytest.raises(ValueError, match="table.npy: must have 3 or 6 columns, or names for its 4"):
+        read_points(str(tmp_path / "table.npy"))
+    np.save(tmp_path / "table.npy", [[1, 2, np.inf]])
+    with pytest.raises(ValueError, match='table.npy, row 0 has z = "inf", which is no finite number'):
+        read_points(str(tmp_path / "table.npy"))
