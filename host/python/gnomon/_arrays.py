@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Checks of what callers hand in. Each function returns what the library takes, or raises and names the argument."""
+"""Checks of arguments. Each function returns the value that the library takes, or raises and names the argument."""
 
 from __future__ import annotations
 
@@ -12,23 +12,23 @@ NO_RECEIVER = 0xFFFFFFFF
 
 
 def is_on_device(array: Any) -> bool:
-    """True for a pyopencl array."""
+    """Whether it is a pyopencl array."""
     return hasattr(array, "base_data") and hasattr(array, "queue")
 
 
 def on_host(array: Any, name: str) -> NDArray[Any]:
-    """A numpy array of anything that has the array or the DLPack protocol, or is a sequence."""
+    """A numpy array of an object with the array or the DLPack protocol, or of a sequence."""
     if is_on_device(array):
-        raise TypeError(f"{name}: a pyopencl array does not fit here; give an array in host memory")
+        raise TypeError(f"{name}: must be an array in host memory, not a pyopencl array")
     if not hasattr(array, "__array__") and hasattr(array, "__dlpack__"):
         return np.from_dlpack(array)
     return np.asarray(array)
 
 
 def first_row(rows: NDArray[np.bool_]) -> int | None:
-    """The first row that is marked, if any is."""
-    found = np.flatnonzero(rows)
-    return int(found[0]) if found.size else None
+    """The first row that is marked; None if no row is."""
+    marked = np.flatnonzero(rows)
+    return int(marked[0]) if marked.size else None
 
 
 def require_real(array: NDArray[Any], name: str) -> None:
@@ -42,12 +42,12 @@ def require_integers(array: NDArray[Any], name: str) -> None:
 
 
 def not_float32(array: NDArray[Any]) -> int | None:
-    """The first row with a value that float32 does not hold, if there is one."""
+    """The first row with a value that is no float32 value; None if there is none."""
     if array.dtype == np.float32:
         return None
     with np.errstate(over="ignore", invalid="ignore"):
-        held = (array.astype(np.float32) == array) | np.isnan(array)
-    return first_row(~held.all(axis=tuple(range(1, array.ndim))))
+        is_float32 = (array.astype(np.float32) == array) | np.isnan(array)
+    return first_row(~is_float32.all(axis=tuple(range(1, array.ndim))))
 
 
 def float32_of(array: NDArray[Any], name: str) -> NDArray[np.float32]:
@@ -72,8 +72,8 @@ def rows_of_triples(array: Any, name: str) -> NDArray[Any]:
 
 
 def all_finite(array: NDArray[Any]) -> bool:
-    """Whether no value is NaN or infinite. One such value makes the sum NaN or infinite, and the sum takes a tenth of
-    the time of a test of each value. Finite values can make it infinite, too: then each value is tested."""
+    """Whether no value is NaN or infinite. Such a value makes the sum NaN or infinite, and the sum takes a tenth of the
+    time of a test of each value. A sum of finite values can be infinite, too: then each value is tested."""
     with np.errstate(over="ignore", invalid="ignore"):
         return bool(np.isfinite(array.sum(dtype=np.float64))) or bool(np.isfinite(array).all())
 
@@ -146,6 +146,6 @@ def normals_of(normals: Any, shape: tuple[int, ...]) -> NDArray[np.float64]:
 
 
 def scaled(normals: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Each row times a power of two, which is exact, so that float32's range suffices; rows of zeros stay."""
+    """Each row times a power of two, exactly, so that its values lie in the range of float32; rows of zeros stay."""
     _, exponents = np.frexp(np.abs(normals).max(axis=1, initial=0))
     return np.ldexp(normals, -exponents[:, None])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Cut-outs: triangles with holes, by the alpha of a texture."""
+"""Cut-outs: triangles with holes, which a texture's alpha decides."""
 
 from __future__ import annotations
 
@@ -54,10 +54,11 @@ class CutOuts(NamedTuple):
 
 
 class CutOutCounts(NamedTuple):
-    """What became of the triangles that have a material: masked + opaque + clear is their number.
+    """Numbers of triangles that have a material; masked + opaque + clear are all of them.
 
-    masked: the texture decides, hit by hit. opaque, clear: all over; a clear one blocks nothing and is never seen.
-    unusable: of the opaque, those with a coordinate that is NaN or 2^30 texels or more away, or an alpha outside 0..1.
+    masked: the texture decides each hit. opaque: the triangle blocks everywhere. clear: it blocks nothing, and no
+        camera sees it.
+    unusable: opaque ones with a coordinate that is NaN or 2^30 texels or more away, or an alpha outside 0..1.
     """
 
     masked: int = 0
@@ -67,7 +68,7 @@ class CutOutCounts(NamedTuple):
 
 
 def native_of(cut_outs: CutOuts, faces: NDArray[Any] | None, count: int) -> _gnomon.CutOuts:
-    """What the library takes, for `count` triangles. Raises ValueError with the argument's name."""
+    """The library's cut-outs for `count` triangles. Raises ValueError with the argument's name."""
     material = _host(cut_outs.material, "cut_outs.material")
     if material.shape != (count,):
         raise ValueError(f"cut_outs.material: shape {material.shape} is not ({count},), one for each triangle")
@@ -83,8 +84,8 @@ def native_of(cut_outs: CutOuts, faces: NDArray[Any] | None, count: int) -> _gno
         _corners(cut_outs.uv, faces, (count, 3, 2), "cut_outs.uv"),
         _corners(cut_outs.corner_alpha, faces, (count, 3), "cut_outs.corner_alpha"),
     )
-    for i, one in enumerate(cut_outs.materials):
-        _add_material(native, one, f"cut_outs.materials[{i}]", textures)
+    for i, cut_out in enumerate(cut_outs.materials):
+        _add_material(native, cut_out, f"cut_outs.materials[{i}]", textures)
     for _, alpha in textures.values():
         native.add_texture(alpha)
     return native
@@ -96,14 +97,14 @@ def decode_alpha(data: bytes) -> NDArray[np.uint8]:
 
     with Image.open(io.BytesIO(data)) as image:
         if data[:8] == b"\x89PNG\r\n\x1a\n" and data[24] == 16 and data[25] in (4, 6):
-            raise ValueError("16-bit alpha, which Pillow does not round")
+            raise ValueError("has 16-bit alpha, which Pillow does not round")
         if max(image.size) > LARGEST_SIDE:
-            raise ValueError(f"{image.width}x{image.height} texels; each side may have {LARGEST_SIDE}")
+            raise ValueError(f"has {image.width}x{image.height} texels; each side may have {LARGEST_SIDE}")
         return np.ascontiguousarray(np.asarray(image.convert("RGBA"))[:, :, 3])
 
 
 def has_decoder() -> bool:
-    """Whether Pillow is there."""
+    """Whether Pillow is installed."""
     try:
         import PIL.Image  # noqa: F401
     except ImportError:
@@ -116,7 +117,7 @@ def _host(array: Any, name: str) -> NDArray[Any]:
 
 
 def _corners(array: Any, faces: NDArray[Any] | None, shape: tuple[int, ...], name: str) -> NDArray[np.float32]:
-    """Values of corners, flat, of an array of this shape or of one row for each vertex; none for None."""
+    """The values of corners, flat, from an array of this shape or with one row for each vertex; no values for None."""
     if array is None:
         return np.zeros(0, np.float32)
     values = _host(array, name)
@@ -132,32 +133,32 @@ def _corners(array: Any, faces: NDArray[Any] | None, shape: tuple[int, ...], nam
 
 
 def _add_material(
-    native: _gnomon.CutOuts, one: CutOut, name: str, textures: dict[int, tuple[int, NDArray[np.uint8]]]
+    native: _gnomon.CutOuts, cut_out: CutOut, name: str, textures: dict[int, tuple[int, NDArray[np.uint8]]]
 ) -> None:
-    wraps = (one.wrap, one.wrap) if isinstance(one.wrap, str) else tuple(one.wrap)
+    wraps = (cut_out.wrap, cut_out.wrap) if isinstance(cut_out.wrap, str) else tuple(cut_out.wrap)
     if len(wraps) != 2 or any(wrap not in WRAPS for wrap in wraps):
-        raise ValueError(f"{name}.wrap: must be one or two of {', '.join(WRAPS)}, not {one.wrap!r}")
-    if one.filter not in FILTERS:
-        raise ValueError(f"{name}.filter: must be one of {', '.join(FILTERS)}, not {one.filter!r}")
-    if not (np.isfinite(one.cutoff) and np.isfinite(one.factor)):
+        raise ValueError(f"{name}.wrap: must be one or two of {', '.join(WRAPS)}, not {cut_out.wrap!r}")
+    if cut_out.filter not in FILTERS:
+        raise ValueError(f"{name}.filter: must be one of {', '.join(FILTERS)}, not {cut_out.filter!r}")
+    if not (np.isfinite(cut_out.cutoff) and np.isfinite(cut_out.factor)):
         raise ValueError(f"{name}: cutoff and factor must be finite numbers")
     texture = OPAQUE
-    if one.alpha is not None:
-        if id(one.alpha) not in textures:
-            alpha = _host(one.alpha, f"{name}.alpha")
+    if cut_out.alpha is not None:
+        if id(cut_out.alpha) not in textures:
+            alpha = _host(cut_out.alpha, f"{name}.alpha")
             fits = alpha.ndim == 2 and 0 < min(alpha.shape) <= max(alpha.shape) <= LARGEST_SIDE
             if alpha.dtype != np.uint8 or not fits:
                 raise ValueError(
                     f"{name}.alpha: must be uint8 of shape (height, width), each from 1 to {LARGEST_SIDE}, "
                     f"not {alpha.dtype} of shape {alpha.shape}"
                 )
-            textures[id(one.alpha)] = (len(textures), np.ascontiguousarray(alpha))
-        texture = textures[id(one.alpha)][0]
+            textures[id(cut_out.alpha)] = (len(textures), np.ascontiguousarray(alpha))
+        texture = textures[id(cut_out.alpha)][0]
     native.add_material(
         texture,
         WRAPS.index(wraps[0]),
         WRAPS.index(wraps[1]),
-        FILTERS.index(one.filter),
-        float(one.cutoff),
-        float(one.factor),
+        FILTERS.index(cut_out.filter),
+        float(cut_out.cutoff),
+        float(cut_out.factor),
     )

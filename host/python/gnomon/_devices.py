@@ -22,9 +22,9 @@ _is_loaded = False
 
 
 def _bundled_loader() -> str:
-    """The OpenCL loader that pyopencl's wheel brings: only that one finds the drivers of PyPI's wheels, in the folder
-    .libs beside it. It needs two things that pyopencl's import does, and import takes long: PYOPENCL_HOME (it crashes
-    without), and those drivers loaded, since their names alone are not on any path.
+    """The OpenCL loader in pyopencl's wheel: it alone finds the drivers of PyPI's wheels, which lie in the folder .libs
+    beside it. Two steps of pyopencl's import, which takes long, are done here: PYOPENCL_HOME is set (without it the
+    loader crashes), and the drivers are loaded, since no search path has their folder.
     """
     spec = importlib.util.find_spec("pyopencl")
     for folder in (spec.submodule_search_locations or []) if spec is not None else []:
@@ -40,7 +40,7 @@ def _bundled_loader() -> str:
 
 def load_opencl() -> None:
     """Loads OpenCL if it is not loaded: the file in GNOMON_OPENCL_LIBRARY, else the loader in pyopencl's wheel, else
-    the system's libOpenCL.so.1. Raises DeviceNotFoundError, which says how to get one."""
+    the system's libOpenCL.so.1. Raises DeviceNotFoundError, which says how to install one."""
     global _is_loaded
     with _lock:
         if not _is_loaded:
@@ -57,7 +57,7 @@ def devices() -> list[_gnomon.DeviceDescription]:
 class Device:
     """One OpenCL device. gnomon.use() and Scene(device=...) open it.
 
-    A thread of its own works for each device, one call after the other. A call may therefore come from any thread, and
+    Each device has a thread that runs its calls one after the other. A call may therefore come from any thread, and
     Ctrl-C is answered at once: the device finishes the interrupted work in the background, and its result is dropped.
     """
 

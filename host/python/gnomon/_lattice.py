@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""World coordinates: float64 in, snapped once, exact from there on."""
+"""World coordinates: float64 coordinates are snapped once to a lattice, and are exact from there on."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ TILT_LIMIT = 1.0
 class Lattice:
     """The world lattice of a scene: Scene.lattice. Every coordinate is a whole number of steps.
 
-    step: of the lattice, a power of two, in the unit of the coordinates.
+    step: a power of two, in the unit of the coordinates.
     origin: (3,) the lattice point that the stored float32 coordinates count from.
     largest_move: the largest distance by which a coordinate of a vertex was rounded, at most half a step.
     largest_move_of_points: the same for the points of the last call, before any lift.
@@ -63,7 +63,7 @@ class Lattice:
     def normals_where_touching(
         self, snapped: NDArray[np.float32], up: tuple[float, float, float] | None
     ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-        """The rows of snapped vertices that touch a triangle which they are no corner of, and the normal of each one's
+        """The rows of snapped vertices that touch a triangle of which they are not a corner; and the normal of the
         triangle before snapping, on its front, or upwards."""
         triangle, corner = np.nonzero(self.touched >= 0)
         if triangle.size == 0:
@@ -150,6 +150,6 @@ def lattice_of(world: NDArray[np.float64], step: float | None) -> Lattice:
 
 
 def normals_of_triangles(triangles: NDArray[Any]) -> NDArray[np.float64]:
-    """Along which corners run counter-clockwise, of the length of twice the area."""
+    """Normals about which the corners run counter-clockwise; their length is twice the area."""
     corners = triangles.astype(np.float64)
     return np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

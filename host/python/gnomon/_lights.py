@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Tables of lights with weights, and what a run over many lights finds for each point."""
+"""Tables of lights with weights, and the results of a run over many lights."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Lights:
 
 
 class LightsResult(NamedTuple):
-    """What Scene.lit_by() finds for M lights; each array has the points' shape.
+    """The result of Scene.lit_by() for M lights; each array has the points' shape.
 
     sums: float64, the weights of the lights that reach the point, added without rounding and then rounded once.
     counts: int64, the number of these lights.
@@ -87,7 +87,7 @@ def table_of(native: _gnomon.WorldLattice | None, lights: Lights) -> _gnomon.Lig
 
 
 def weights_of(weights: Any, count: int) -> NDArray[np.float32]:
-    """One float32 per light; rounded once."""
+    """(count,) float32, each rounded once; 1 each for None."""
     if weights is None:
         return np.ones(count, np.float32)
     values = _arrays.on_host(weights, "weights")
@@ -103,7 +103,7 @@ def weights_of(weights: Any, count: int) -> NDArray[np.float32]:
 
 
 def normals_for_cosines(normals: Any, shape: tuple[int, ...]) -> NDArray[np.float32]:
-    """The normals as they are, rounded once: their lengths count."""
+    """The normals, each coordinate rounded once: their lengths count."""
     values = _arrays.rows_of_triples(normals, "normals")
     with np.errstate(over="ignore"):
         rounded = np.ascontiguousarray(np.broadcast_to(values, shape), np.float32).reshape(-1, 3)

@@ -19,7 +19,19 @@ from ._devices import Device, default_device, device_of_queue, open_device
 from ._side import EXACT, Side, Technique, VertexSide
 
 if TYPE_CHECKING:
-    from typing import overload
+    from typing import TypedDict, overload
+
+    from typing_extensions import Unpack
+
+    class _VertexQuery(TypedDict, total=False):
+        direction: ArrayLike | None
+        position: ArrayLike | None
+        nan: Literal["error", "absent"]
+
+    class _SurfaceQuery(_VertexQuery, total=False):
+        receivers: ArrayLike | None
+        side: Side | None
+        lift: bool
 else:
 
     def overload(function):
@@ -34,22 +46,22 @@ BLENDS = ("opaque", "clear", "mask")
 
 
 class _OnDevice:
-    """A scene's triangles on one device, and the techniques that were used there. They keep lists between runs."""
+    """A scene's triangles on one device, and the techniques that ran there. Techniques keep lists between runs."""
 
     def __init__(self, device: Device, triangles: _gnomon.Triangles) -> None:
         self.device = device
         self.triangles = triangles
         self._techniques: dict[tuple[str, tuple[tuple[str, str], ...]], _gnomon.Technique] = {}
 
-    def technique(self, which: Technique) -> _gnomon.Technique:
+    def technique(self, wanted: Technique) -> _gnomon.Technique:
         """Call it in the device's thread."""
-        chosen = tuple(sorted((key, _setting_text(value)) for key, value in which.settings.items()))
-        if (which.name, chosen) not in self._techniques:
-            technique = _gnomon.make_technique(which.name, self.device.native)
-            for key, value in chosen:
+        settings = tuple(sorted((key, _setting_text(value)) for key, value in wanted.settings.items()))
+        if (wanted.name, settings) not in self._techniques:
+            technique = _gnomon.make_technique(wanted.name, self.device.native)
+            for key, value in settings:
                 technique.set(key, value)
-            self._techniques[which.name, chosen] = technique
-        return self._techniques[which.name, chosen]
+            self._techniques[wanted.name, settings] = technique
+        return self._techniques[wanted.name, settings]
 
 
 class AtVertices(NamedTuple):
@@ -84,21 +96,22 @@ def _facing_by(normals: NDArray[np.floating[Any]]) -> _FacingOf:
 
 @dataclass(frozen=True)
 class _Query:
-    """Points of one call: their coordinates near the origin, receivers if there are any, and what decides facing."""
+    """Points of one call: their coordinates relative to the origin, their receivers, if there are any, and their
+    facing."""
 
-    here: NDArray[np.float32]
+    local: NDArray[np.float32]
     ids: NDArray[np.uint32] | None = None
     facing: _FacingOf = _no_facing
 
     def part(self, first: int) -> tuple[NDArray[np.float32], NDArray[np.uint32], _gnomon.Facing]:
         rows = slice(first, first + POINTS_AT_ONCE)
         ids = np.empty(0, np.uint32) if self.ids is None else self.ids[rows]
-        return self.here[rows], ids, self.facing(rows)
+        return self.local[rows], ids, self.facing(rows)
 
 
 @dataclass(frozen=True)
 class _Engine:
-    """What answers: triangles on a device, a technique, and the light."""
+    """Answers queries: triangles on a device, a technique, and the light."""
 
     upload: _OnDevice
     technique: Technique
@@ -106,17 +119,17 @@ class _Engine:
 
     def visibility(self, query: _Query, after_part: Callable[[int], None] = lambda _: None) -> NDArray[np.float32]:
         """after_part is called with the first row of each part, in the device's thread."""
-        result = np.ones(len(query.here), np.float32)
-        for first in range(0, len(query.here), POINTS_AT_ONCE):
-            values = self.upload.device.call(self._of_part, query, first, after_part)
+        result = np.ones(len(query.local), np.float32)
+        for first in range(0, len(query.local), POINTS_AT_ONCE):
+            values = self.upload.device.call(self._visibility_of_part, query, first, after_part)
             result[first : first + POINTS_AT_ONCE] = values
         return result
 
-    def _of_part(self, query: _Query, first: int, after_part: Callable[[int], None]) -> NDArray[np.float32]:
+    def _visibility_of_part(self, query: _Query, first: int, after_part: Callable[[int], None]) -> NDArray[np.float32]:
         device = self.upload.device.native
-        here, ids, facing = query.part(first)
-        points = _gnomon.Points.upload(device, here, ids)
-        visibility = _gnomon.Visibility(device, len(here))
+        local, ids, facing = query.part(first)
+        points = _gnomon.Points.upload(device, local, ids)
+        visibility = _gnomon.Visibility(device, len(local))
         self.run(points, visibility, facing)
         after_part(first)
         return visibility.read()
@@ -128,14 +141,15 @@ class _Engine:
 
 
 class _Vertices(NamedTuple):
-    """Points at vertices, ready for the device: the rows `touching` are lifted off a triangle, along its `normals`."""
+    """Points at vertices, ready for the device: those in the rows `touching` are lifted off a triangle, along its
+    normal in `normals`."""
 
     world: NDArray[Any]
     up: tuple[float, float, float] | None
-    here: NDArray[np.float32]
+    local: NDArray[np.float32]
     normals: NDArray[np.float64] | None
     touching: NDArray[np.int64]
-    fans: list[_gnomon.VertexFans]  # of POINTS_AT_ONCE points each
+    fans: list[_gnomon.VertexFans]  # each for POINTS_AT_ONCE points
 
 
 def _technique_of(technique: str | Technique) -> Technique:
@@ -149,7 +163,7 @@ def _setting_text(value: object) -> str:
 
 
 def _mesh_of(vertices: Any, faces: Any) -> tuple[Any, Any]:
-    """Vertices and faces of a trimesh.Trimesh or a pyvista mesh; other values as they are."""
+    """Vertices and faces of a trimesh.Trimesh or a pyvista mesh; of anything else, the value itself and no faces."""
     if faces is not None:
         return vertices, faces
     if hasattr(vertices, "vertices") and hasattr(vertices, "faces"):
@@ -197,12 +211,12 @@ class Scene:
         self.lattice: _world.Lattice | None = None
         self._count = 0
         self._uploads: dict[Device, _OnDevice] = {}
-        self._moved: dict[tuple[int, ...], _OnDevice] = {}  # for the views of the last eye, on a lattice
+        self._moved: dict[tuple[int, ...], _OnDevice] = {}  # on a lattice: the triangles near the last view's eye
         self._is_closed = False
         self.cameras: dict[str, _gnomon.Camera] = {}
         self.lights: dict[str, dict[str, tuple[float, float, float]]] = {}
         self.warnings: list[str] = []
-        self._vertices: _Vertices | None = None  # of the last points, to find them once
+        self._vertices: _Vertices | None = None  # of the last call with Side.vertices()
         self.animations: list[str] = []
         self._material: NDArray[np.uint32] | None = None
         self._base_color: list[tuple[float, float, float]] = [GREY]
@@ -266,8 +280,8 @@ class Scene:
             raise FileNotFoundError(f"{file}: does not exist")
         if not hasattr(_gnomon, "load_scene"):
             raise RuntimeError(
-                "this build of gnomon reads no glTF files (tinygltf, GLM or meshoptimizer was missing when it was built): use "
-                "gnomon.Scene(trimesh.load(path, force='mesh'))"
+                "this build of gnomon reads no glTF files (tinygltf, GLM or meshoptimizer was missing when it was "
+                "built): use gnomon.Scene(trimesh.load(path, force='mesh'))"
             )
         if blend not in BLENDS:
             raise ValueError(f"blend: must be one of {', '.join(BLENDS)}, not {blend!r}")
@@ -309,7 +323,7 @@ class Scene:
 
     @property
     def bounds(self) -> NDArray[np.float32]:
-        """The smallest and the largest of `triangles`, (2, 3); NaN without triangles."""
+        """(2, 3) the smallest and the largest coordinates of `triangles`; NaN without triangles."""
         corners = self.triangles.reshape(-1, 3)
         if len(corners) == 0:
             return np.full((2, 3), np.nan, np.float32)
@@ -317,7 +331,7 @@ class Scene:
 
     @property
     def cut_out_counts(self) -> _cut_outs.CutOutCounts:
-        """What became of the triangles with holes; zeros without cut-outs. Uploads the scene if it is not yet."""
+        """The numbers of triangles with holes, by kind; zeros without cut-outs. Uploads the scene at its first use."""
         if self._cut_outs is None:
             return _cut_outs.CutOutCounts()
         counts = self._on(self._device).triangles.cut_out_counts
@@ -375,17 +389,11 @@ class Scene:
     # ---- Points ------------------------------------------------------------------------------------------------------
 
     @overload
-    def lit(
-        self, points: ArrayLike, *, direction: ArrayLike | None = None, position: ArrayLike | None = None,
-        receivers: None = None, side: VertexSide, lift: Literal[False] = False,
-        nan: Literal["error", "absent"] = "error", out: None = None,
-    ) -> AtVertices: ...  # fmt: skip
+    def lit(self, points: ArrayLike, *, side: VertexSide, **query: Unpack[_VertexQuery]) -> AtVertices: ...
     @overload
     def lit(  # noqa: F811
-        self, points: ArrayLike, *, direction: ArrayLike | None = None, position: ArrayLike | None = None,
-        receivers: ArrayLike | None = None, side: Side | None = None, lift: bool = False,
-        nan: Literal["error", "absent"] = "error", out: Any = None,
-    ) -> NDArray[np.bool_]: ...  # fmt: skip
+        self, points: ArrayLike, *, out: Any = None, **query: Unpack[_SurfaceQuery]
+    ) -> NDArray[np.bool_]: ...
     def lit(  # noqa: F811
         self,
         points: ArrayLike,
@@ -426,33 +434,29 @@ class Scene:
         Raises ValueError with the argument's name and the first bad row, MemoryError, DeviceNotFoundError.
         """
         if out is not None and not _arrays.is_on_device(points):
-            raise ValueError("out: only for points in a pyopencl array")
+            raise ValueError("out: is only for points in a pyopencl array")
         if lift and _arrays.is_on_device(points):
-            raise ValueError("lift: only for points on the host, in float64")
+            raise ValueError("lift: is only for points on the host, in float64")
         if _arrays.is_on_device(points):
             light = _world.light_of(self._native_lattice, direction, position)
             on_device: Any = self._lit_on_device(points, light, receivers, side, out)
             return on_device  # type: ignore[no-any-return]
-        either: Any = self.visibility  # whichever overload `side` chooses
-        found = either(
+        visibility: Any = self.visibility  # `side` chooses the overload
+        values = visibility(
             points, direction=direction, position=position, receivers=receivers, side=side, lift=lift, nan=nan
         )
-        if isinstance(found, AtVertices):
-            return found._replace(values=_as_bool(found.values))
-        return _as_bool(found)
+        if isinstance(values, AtVertices):
+            return values._replace(values=_as_bool(values.values))
+        return _as_bool(values)
 
     @overload
     def visibility(
-        self, points: ArrayLike, *, direction: ArrayLike | None = None, position: ArrayLike | None = None,
-        receivers: None = None, side: VertexSide, lift: Literal[False] = False,
-        nan: Literal["error", "absent"] = "error", technique: str | Technique = EXACT,
-    ) -> AtVertices: ...  # fmt: skip
+        self, points: ArrayLike, *, side: VertexSide, technique: str | Technique = EXACT, **query: Unpack[_VertexQuery]
+    ) -> AtVertices: ...
     @overload
     def visibility(  # noqa: F811
-        self, points: ArrayLike, *, direction: ArrayLike | None = None, position: ArrayLike | None = None,
-        receivers: ArrayLike | None = None, side: Side | None = None, lift: bool = False,
-        nan: Literal["error", "absent"] = "error", technique: str | Technique = EXACT,
-    ) -> NDArray[np.float32]: ...  # fmt: skip
+        self, points: ArrayLike, *, technique: str | Technique = EXACT, **query: Unpack[_SurfaceQuery]
+    ) -> NDArray[np.float32]: ...
     def visibility(  # noqa: F811
         self,
         points: ArrayLike,
@@ -471,26 +475,28 @@ class Scene:
         if nan not in ("error", "absent"):
             raise ValueError(f"nan: {nan!r} is neither 'error' nor 'absent'")
         light = _world.light_of(self._native_lattice, direction, position)
-        at = _arrays.rows_of_triples(points, "points")
-        flat = at.reshape(-1, 3)
+        positions = _arrays.rows_of_triples(points, "points")
+        flat = positions.reshape(-1, 3)
         if nan == "error":
             _arrays.require_finite(flat, "points")
         engine = _Engine(self._on(self._device), _technique_of(technique), light)
 
         def shaped(values: NDArray[np.float32]) -> NDArray[np.float32]:
             if nan == "error":
-                return values.reshape(at.shape[:-1])
+                return values.reshape(positions.shape[:-1])
             absent = ~np.isfinite(flat).all(axis=1)
             values[absent] = 0
-            return np.ma.MaskedArray(values.reshape(at.shape[:-1]), absent.reshape(at.shape[:-1]), fill_value=0)
+            return np.ma.MaskedArray(
+                values.reshape(positions.shape[:-1]), absent.reshape(positions.shape[:-1]), fill_value=0
+            )
 
         if isinstance(side, VertexSide):
             if receivers is not None or lift:
                 raise ValueError("side: Side.vertices() takes no receivers= and no lift=")
-            found = self._at_vertices(engine, flat, side.up)
-            return found._replace(values=shaped(found.values))
-        ids = None if receivers is None else _arrays.receivers_of(receivers, at.shape[:-1], self._count)
-        return shaped(self._on_surfaces(engine, at, ids, _side_of(side), lift))
+            at_vertices = self._at_vertices(engine, flat, side.up)
+            return at_vertices._replace(values=shaped(at_vertices.values))
+        ids = None if receivers is None else _arrays.receivers_of(receivers, positions.shape[:-1], self._count)
+        return shaped(self._on_surfaces(engine, positions, ids, _side_of(side), lift))
 
     def lit_by(
         self,
@@ -521,29 +527,28 @@ class Scene:
         """
         side = _side_of(side, "is for lit() and visibility()")
         table = _lights.table_of(self._native_lattice, lights)
-        at = _arrays.rows_of_triples(points, "points")
-        flat = at.reshape(-1, 3)
+        positions = _arrays.rows_of_triples(points, "points")
+        flat = positions.reshape(-1, 3)
         _arrays.require_finite(flat, "points")
         if self.lattice is not None and side.kind in ("front", "eye"):
             raise ValueError("side: on a scene with a lattice give Side.normals() of the surfaces before snapping")
         if cosines and side.kind != "normals":
             raise ValueError("cosines: needs side=Side.normals()")
-        ids = None if receivers is None else _arrays.receivers_of(receivers, at.shape[:-1], self._count)
+        ids = None if receivers is None else _arrays.receivers_of(receivers, positions.shape[:-1], self._count)
         if cosines:
-            facing = _facing_by(_lights.normals_for_cosines(side.value, at.shape))
+            facing = _facing_by(_lights.normals_for_cosines(side.value, positions.shape))
         elif side.kind == "normals":
-            facing = _facing_by(_arrays.normals_of(side.value, at.shape))
+            facing = _facing_by(_arrays.normals_of(side.value, positions.shape))
         else:
             facing = self._facing_of(side, ids)
-        here = _arrays.float32_of(flat, "points") if self.lattice is None else self.lattice.snap(flat, "points")
-        query = _Query(here, ids, facing)
+        query = _Query(self._local(flat), ids, facing)
         upload = self._on(self._device)
         is_over = threading.Event()
 
         def report(done: float) -> bool:
             return not is_over.is_set() and (progress is None or progress(done) is not False)
 
-        def of_part(first: int) -> tuple[Any, ...]:
+        def run_part(first: int) -> tuple[Any, ...]:
             technique = upload.technique(Technique(EXACT, settings or {}))
             part, part_ids, part_facing = query.part(first)
             points = _gnomon.Points.upload(upload.device.native, part, part_ids)
@@ -552,11 +557,18 @@ class Scene:
             )
 
         try:
-            parts = [upload.device.call(of_part, first) for first in range(0, max(len(flat), 1), POINTS_AT_ONCE)]
+            parts = [upload.device.call(run_part, first) for first in range(0, max(len(flat), 1), POINTS_AT_ONCE)]
         except BaseException:
             is_over.set()  # Ctrl-C: the device's thread stops at its next report
             raise
-        return _lights.result_of(parts, at.shape[:-1], bits, len(table))
+        return _lights.result_of(parts, positions.shape[:-1], bits, len(table))
+
+    def _local(self, flat: NDArray[Any], normals: NDArray[np.float64] | None = None) -> NDArray[np.float32]:
+        """Points relative to the lattice's origin, lifted along the normals, if there are any; without a lattice points
+        as they are."""
+        if self.lattice is None:
+            return _arrays.float32_of(flat, "points")
+        return self.lattice.snap(flat, "points", normals)
 
     def _facing_of(self, side: Side, ids: NDArray[np.uint32] | None) -> _FacingOf:
         """Facing by an eye, by the receivers' front, or none."""
@@ -570,26 +582,21 @@ class Scene:
         return lambda _: _gnomon.Facing.eye(eye)
 
     def _on_surfaces(
-        self, engine: _Engine, at: NDArray[Any], ids: NDArray[np.uint32] | None, side: Side, lift: bool
+        self, engine: _Engine, positions: NDArray[Any], ids: NDArray[np.uint32] | None, side: Side, lift: bool
     ) -> NDArray[np.float32]:
-        flat = at.reshape(-1, 3)
-        normals = _arrays.normals_of(side.value, at.shape) if side.kind == "normals" else None
+        flat = positions.reshape(-1, 3)
+        normals = _arrays.normals_of(side.value, positions.shape) if side.kind == "normals" else None
         if lift:
             normals = self._normals_to_lift_along(normals, ids, side)
         facing = self._facing_of(side, ids) if normals is None else _facing_by(normals)
-        here = (
-            _arrays.float32_of(flat, "points")
-            if self.lattice is None
-            else self.lattice.snap(flat, "points", normals if lift else None)
-        )
-        query = _Query(here, ids, facing)
+        query = _Query(self._local(flat, normals if lift else None), ids, facing)
         result = engine.visibility(query)
         if self.lattice is not None and ids is not None and normals is None and side.kind != "none":
             self._face_changed(engine, query, side, result)
         return result
 
     def _face_changed(self, engine: _Engine, query: _Query, side: Side, result: NDArray[np.float32]) -> None:
-        """Decides the points on triangles that snapping changes once more, by the triangles before snapping."""
+        """Decides again the points on triangles that snapping changes, now by the triangles before snapping."""
         assert self.lattice is not None and query.ids is not None
         rows = np.flatnonzero(np.append(self.lattice.is_changed, False)[np.minimum(query.ids, self._count)])
         if rows.size == 0:
@@ -598,10 +605,10 @@ class Scene:
         normals = _arrays.scaled(_world.normals_of_triangles(world))
         if side.kind == "eye":
             eye = np.array(self.lattice.native.world_of(_world.snapped_triple(self._native_lattice, side.value, "eye")))
-            seen = np.sign(((eye - world[:, 0]) * normals).sum(axis=1, keepdims=True))
-            normals = normals * seen  # an eye in the plane sees no side: a normal of zero faces no light
+            seen_side = np.sign(((eye - world[:, 0]) * normals).sum(axis=1, keepdims=True))
+            normals = normals * seen_side  # an eye in the plane sees no side: a normal of zero faces no light
         facing = _facing_by(normals)
-        result[rows] = engine.visibility(_Query(query.here[rows], query.ids[rows], facing))
+        result[rows] = engine.visibility(_Query(query.local[rows], query.ids[rows], facing))
 
     def _at_vertices(self, engine: _Engine, flat: NDArray[Any], up: Any) -> AtVertices:
         upwards = None if up is None else _arrays.triple(up, "up")
@@ -610,27 +617,27 @@ class Scene:
         kept = self._vertices
         if kept is None or kept.up != upwards or not np.array_equal(kept.world, flat, equal_nan=True):
             kept = self._vertices = self._vertices_of(engine.upload, flat, upwards)
-        fans, here, extended = kept.fans, kept.here, 0
+        fans, local, extended = kept.fans, kept.local, 0
 
         def count_extended(first: int) -> None:
             nonlocal extended
             extended += fans[first // POINTS_AT_ONCE].extended()
 
-        query = _Query(here, None, lambda part: _gnomon.Facing.fans(fans[part.start // POINTS_AT_ONCE], upwards))
+        query = _Query(local, None, lambda part: _gnomon.Facing.fans(fans[part.start // POINTS_AT_ONCE], upwards))
         result = engine.visibility(query, count_extended)
         rows = kept.touching
-        if kept.normals is not None:  # a run faces its points by one thing: these face by their triangles, too
-            lifted = _Query(here[rows], None, _facing_by(kept.normals))
+        if kept.normals is not None:  # a run has one facing: a second run decides these by their triangles' normals
+            lifted = _Query(local[rows], None, _facing_by(kept.normals))
             result[rows] = np.minimum(result[rows], engine.visibility(lifted))
-        opened = [one.open().astype(np.int64) + i * POINTS_AT_ONCE for i, one in enumerate(fans)]
-        return AtVertices(result, np.concatenate([*opened, np.empty(0, np.int64)]), rows, extended)
+        open_rows = [one.open().astype(np.int64) + i * POINTS_AT_ONCE for i, one in enumerate(fans)]
+        return AtVertices(result, np.concatenate([*open_rows, np.empty(0, np.int64)]), rows, extended)
 
     def _vertices_of(self, upload: _OnDevice, flat: NDArray[Any], up: tuple[float, float, float] | None) -> _Vertices:
         triangles = self.triangles
-        here = _arrays.float32_of(flat, "points") if self.lattice is None else self.lattice.snap(flat, "points")
+        local = self._local(flat)
         fans = []
         for first in range(0, len(flat), POINTS_AT_ONCE):
-            part = here[first : first + POINTS_AT_ONCE]
+            part = local[first : first + POINTS_AT_ONCE]
             fans.append(upload.device.call(_gnomon.VertexFans.find, upload.device.native, triangles, part))
             alone = fans[-1].alone()
             alone = alone[np.isfinite(part[alone]).all(axis=1)]
@@ -639,11 +646,11 @@ class Scene:
                 raise ValueError(f"points: row {row} {flat[row].tolist()} is no vertex of the scene's triangles")
         rows, normals = np.empty(0, np.int64), None
         if self.lattice is not None:
-            rows, along = upload.device.call(self.lattice.normals_where_touching, here, up)
+            rows, along = upload.device.call(self.lattice.normals_where_touching, local, up)
             if rows.size:
-                here[rows] = _world.lifted(self.lattice.native, flat[rows].astype(np.float64), "points", along)
+                local[rows] = _world.lifted(self.lattice.native, flat[rows].astype(np.float64), "points", along)
                 normals = along
-        return _Vertices(np.array(flat), up, here, normals, rows, fans)
+        return _Vertices(np.array(flat), up, local, normals, rows, fans)
 
     def _normals_to_lift_along(
         self, normals: NDArray[np.float64] | None, ids: NDArray[np.uint32] | None, side: Side
@@ -722,23 +729,23 @@ class Scene:
                 raise ValueError(f"camera: there is no {camera!r}; there are {', '.join(self.cameras) or 'none'}")
             chosen, origin, upload = self.cameras[camera], None, self._on(self._device)
         else:
-            at, to, origin, upload = self._at_eye(eye, target)
-            chosen = _gnomon.Camera.look_at(at, to, _arrays.triple(up, "up"), float(fov))
-        seen = upload.device.call(_gnomon.look, upload.device.native, upload.triangles, chosen, width, height)
-        return View(self, upload, seen, (width, height), origin)
+            local_eye, local_target, origin, upload = self._at_eye(eye, target)
+            chosen = _gnomon.Camera.look_at(local_eye, local_target, _arrays.triple(up, "up"), float(fov))
+        view = upload.device.call(_gnomon.look, upload.device.native, upload.triangles, chosen, width, height)
+        return View(self, upload, view, (width, height), origin)
 
     def _at_eye(self, eye: Any, target: Any) -> tuple[Any, Any, _gnomon.WorldLattice | None, _OnDevice]:
         """Eye and target near an origin, and the triangles moved there. On a lattice this origin is the lattice's point
         nearest the eye, since what a camera sees must not depend on the origin of the scene."""
         if self.lattice is None:
             return _arrays.triple(eye, "eye"), _arrays.triple(target, "target"), None, self._on(self._device)
-        here = _gnomon.WorldLattice.around(_world.world_triple(eye, "eye"), self.lattice.native.exponent)
-        to = _arrays.triple(_world.world_triple(target, "target")[0] - here.world_of((0.0, 0.0, 0.0)), "target")
-        key = tuple(here.origin)
+        around_eye = _gnomon.WorldLattice.around(_world.world_triple(eye, "eye"), self.lattice.native.exponent)
+        from_eye = _world.world_triple(target, "target")[0] - around_eye.world_of((0.0, 0.0, 0.0))
+        key = tuple(around_eye.origin)
         if key not in self._moved:
-            moved = self.lattice.native.rebased(np.ascontiguousarray(self.triangles.reshape(-1, 3)), here)
+            moved = self.lattice.native.rebased(np.ascontiguousarray(self.triangles.reshape(-1, 3)), around_eye)
             self._moved = {key: self._uploaded(self._device, moved)}
-        return (0.0, 0.0, 0.0), to, here, self._moved[key]
+        return (0.0, 0.0, 0.0), _arrays.triple(from_eye, "target"), around_eye, self._moved[key]
 
 
 def _packed_from(array: Any) -> _gnomon.PointLayout:
@@ -767,17 +774,21 @@ def _as_bool(values: NDArray[np.float32]) -> NDArray[np.bool_]:
     return values != 0
 
 
-def _enqueue_on_device(engine: _Engine, at: Any, receivers: Any, facing: _gnomon.Facing, result: Any) -> None:
+def _enqueue_on_device(engine: _Engine, positions: Any, receivers: Any, facing: _gnomon.Facing, result: Any) -> None:
     device = engine.upload.device.native
     ids = None if receivers is None else _from_the_beginning(receivers)
     points = _gnomon.Points.wrap(
-        device, at.base_data.int_ptr, _packed_from(at), at.shape[0], 0 if ids is None else ids.base_data.int_ptr
+        device,
+        positions.base_data.int_ptr,
+        _packed_from(positions),
+        positions.shape[0],
+        0 if ids is None else ids.base_data.int_ptr,
     )
-    whole = result if _is_aligned(result) else type(result)(result.queue, result.shape, result.dtype)
-    visibility = _gnomon.Visibility.wrap(device, whole.base_data.int_ptr, at.shape[0], whole.offset // 4)
+    aligned = result if _is_aligned(result) else type(result)(result.queue, result.shape, result.dtype)
+    visibility = _gnomon.Visibility.wrap(device, aligned.base_data.int_ptr, positions.shape[0], aligned.offset // 4)
     engine.run(points, visibility, facing)
-    if whole is not result:
-        _copy_on_device(whole, result)
+    if aligned is not result:
+        _copy_on_device(aligned, result)
 
 
 def _is_aligned(array: Any) -> bool:
@@ -810,7 +821,7 @@ class View:
         self,
         scene: Scene,
         upload: _OnDevice,
-        seen: _gnomon.View,
+        view: _gnomon.View,
         size: tuple[int, int],
         origin: _gnomon.WorldLattice | None,
     ) -> None:
@@ -818,7 +829,7 @@ class View:
         self._base_color = scene._base_color
         self._count = len(scene)
         self._upload = upload
-        self._seen = seen
+        self._seen = view
         self._origin = origin
         self._host: tuple[Any, Any, Any] | None = None
         self.width, self.height = size

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""By what a call decides that a point faces away from the light, and with which technique it computes."""
+"""The side of a point's surface, which decides facing, and the technique of a call."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The doors to gnomon.studies, which needs packages that gnomon itself does not."""
+"""gnomon.study() and the command gnomon-study, which import gnomon.studies and its packages at their first use."""
 
 from __future__ import annotations
 
