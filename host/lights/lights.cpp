@@ -5,9 +5,9 @@
 #include <numbers>
 
 #include <gnomon.hpp>
-#include "api/inputs.hpp"
-#include "api/vectors.hpp"
 #include "lights/whole_weights.hpp"
+#include "query/inputs.hpp"
+#include "query/vectors.hpp"
 
 namespace gnomon {
 namespace {

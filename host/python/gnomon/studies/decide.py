@@ -273,7 +273,7 @@ class Decider:
     ) -> None:
         """Clears `lit` of these suns and receivers (None: of all) where a caster blocks the ray. All suns are strictly
         above the horizon, so the vertical normal of a receiver that is not lifted restricts nothing; it makes the
-        shafts tighter."""
+        beams tighter."""
         snapped = casters.snapped if rows is None else casters.snapped[rows]
         if casters.scene is None or not (len(suns) and len(snapped)):
             return
@@ -287,7 +287,7 @@ class Decider:
             snapped[lifted] = casters.lattice.lift(world, np.ascontiguousarray(normals[lifted]))
         answer = casters.scene.lit_by(
             snapped, Lights.directions(-towards[suns]), side=Side.normals(normals), bits=True,
-            settings={"many-lights": "shafts"},
+            settings={"many-lights": "beams"},
         )  # fmt: skip
         assert answer.bits is not None
         found = planes.transposed(answer.bits)
