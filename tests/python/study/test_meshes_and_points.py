@@ -215,7 +215,7 @@ def test_the_sky_above_flat_ground_and_beside_a_wall(tmp_path):
 
 
 def test_points_that_nothing_can_shadow_face_by_their_normals(tmp_path):
-    """Points high above the only house: no caster is loaded. Whole numbers, so that many suns lie in a point's plane."""
+    """Points high above the only house: no caster is loaded. Whole numbers, so that suns lie in a point's plane."""
     corners = houses()[0].reshape(-1, 3)
     trimesh.Trimesh(corners, np.arange(len(corners)).reshape(-1, 3), process=False).export(tmp_path / "m.obj")
     rng = np.random.default_rng(12)

@@ -102,6 +102,7 @@ def test_tables_of_all_kinds(tmp_path):
     assert table.weights.tolist() == [1, 1] and read("0,0,-1,2.5\n").weights.tolist() == [2.5]
     table = read('weight, z ,note,"y",x\r\n-7,-3,"a, b",-2,-1\r\n')
     assert table.towards.tolist() == [[1, 2, 3]] and table.weights.tolist() == [-7]
+    assert read("0,0,-1,0.1\n").weights.tolist() == [float(np.float32(0.1))]
     table = read("up,x,y,z\ny,1,-2,3\nz,1,2,-3\n")
     assert table.towards.tolist() == [[-1, 3, 2], [-1, -2, 3]]
     assert read("azimuth,elevation,x,y,z\n0,-1,0,0,1\n0,45,0,-1,-1\n").towards.tolist() == [[0, 1, 1]]
@@ -122,6 +123,7 @@ def test_tables_of_all_kinds(tmp_path):
         ("x,y,z,up\n1,2,-3,y\n", ", line 2 has x, y, z of light that does not travel downwards"),
         ("x,y,z,up\n1,2,-3,x\n", ', line 2 has up = "x", which is neither y nor z'),
         ("x,y,z\n1,2,-1e39\n", ", line 2 has x, y, z beyond float32"),
+        ("x,y,z,weight\n1,2,-3,1e39\n", ", line 2 has a weight beyond float32"),
         ("azimuth,elevation\n10,91\n", ", line 2 has an elevation beyond 90 degrees"),
         ("x,y,z\n", ": has no suns"),
         ("azimuth,elevation\n10,-1\n", ": has no suns above the horizon"),

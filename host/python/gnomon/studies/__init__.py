@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""Studies: many suns over receivers and casters of any extent, by tiles, with a certificate for what is lit.
+"""Studies: many suns over receivers and casters of any extent, by tiles, with a certificate for each lit answer.
 
     result = gnomon.study("town", raster="dsm.tif", start="2026-06-21", end="2026-06-22", step="10min")
     result.picture("town.png")
     result.export("sun_hours.tif")
 
-docs/studies.md has a tutorial, the layout of the results, and what a certificate is. Needs pip install 'gnomon[study]'.
+docs/studies.md has a tutorial, the layout of the results, and the certificate. Needs pip install 'gnomon[study]'.
 """
 
 from __future__ import annotations

@@ -30,7 +30,7 @@ def _parser() -> argparse.ArgumentParser:
     run_parser.add_argument("--device", help="P:D as gnomon devices lists it, or a part of its name")
     run_parser.add_argument("--tiles", help="i:j, these receiver tiles alone, for job arrays: no dask is needed")
     run_parser.add_argument(
-        "--restart", action="store_true", help="begin anew, and drop the study that is in the folder"
+        "--restart", action="store_true", help="begin again, and drop the study that is in the folder"
     )
     run_parser.add_argument(
         "--no-check", action="store_true", help="do not read the chunks of done tasks to find damaged ones"

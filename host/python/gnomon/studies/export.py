@@ -20,7 +20,7 @@ from .tables import suns_text
 NO_HOURS = -9999.0
 NO_BITS = -9999
 TITLES = {"sun_hours": "hours of sun", "sum_of_weights": "sum of weights"}
-#: The names of the arrays that hold what is undecided of a sum.
+#: The arrays of the undecided parts of sums.
 UNDECIDED = {"sun_hours": "undecided_hours", "sum_of_weights": "undecided_weights"}
 
 
@@ -28,10 +28,11 @@ def export(plan: Plan, path: Path, what: str | None = None) -> list[Path]:
     """Writes a result: `sun_hours`, `sum_of_weights` or `lit`; None: the first that the study has; or `suns`. Raises
     ValueError.
 
-    A raster's sums become a COG of two bands: the sum, nodata where a sun is undecided, and what is undecided. Its
+    A raster's sums become a COG of two bands: the sum, nodata where a sun is undecided, and the undecided part. Its
     packed bits become, in the folder `path`, the Solar API's hourlyShade: 12 COGs of 24 bands of int32, bit d - 1 of
     band h for day d at hour h; nodata (-9999) where a bit is undecided. Points become a CSV file. The suns of a study
-    with one sun zone become a CSV file (docs/studies.md), for gnomon hours or another study."""
+    with one sun zone become a CSV file (docs/studies.md), for gnomon hours or another study.
+    """
     if what == "suns":
         return [_export_suns(plan, path)]
     names = [n for n in plan.results if not n.startswith("undecided")]

@@ -112,9 +112,9 @@ class GridFacing:
             bound = spread @ np.abs(n).T + rounding[:, None] * self._largest[k][part].astype(np.float32)
             is_below = s < -bound
             result[words, part] &= ~(is_below * bits[:, None])
-            unsure = ~(is_below | (s > bound)) & exists  # _by_vertex() decides the others
-            for i in np.flatnonzero(unsure.any(axis=1)).tolist():
-                suns, rows = groups[words[i]], np.flatnonzero(unsure[i]) + first
+            uncertain = ~(is_below | (s > bound)) & exists  # _by_vertex() decides the others
+            for i in np.flatnonzero(uncertain.any(axis=1)).tolist():
+                suns, rows = groups[words[i]], np.flatnonzero(uncertain[i]) + first
                 result[words[i], rows] &= self._above_of_word(k, d, suns, rows) | ~bits[i]
 
     def _above_of_word(
@@ -124,9 +124,9 @@ class GridFacing:
         s = self._normals32[k][rows] @ d[suns].T.astype(np.float32)
         bound = (self._largest[k][rows] * (2e-6 * np.abs(d[suns]).max())).astype(np.float32)[:, None]
         above = s > bound
-        unsure = (above != (s > -bound)).any(axis=1)
-        if unsure.any():
-            above[unsure] = self._above(k, d[suns], rows[unsure])
+        uncertain = (above != (s > -bound)).any(axis=1)
+        if uncertain.any():
+            above[uncertain] = self._above(k, d[suns], rows[uncertain])
         answers = np.zeros((len(rows), 32), bool)
         answers[:, suns % 32] = above
         return planes.packed(answers)[0]
@@ -137,10 +137,10 @@ class GridFacing:
         s = n @ d.T
         above: NDArray[np.bool_] = s > 0
         # |s - exact| is below 3 roundings of products and 2 of sums: 5 x 2^-53 x 3 x largest x |d| < 1.7e-15 of it.
-        unsure = np.abs(s) <= self._largest[k][rows][:, None] * (2e-15 * np.abs(d).max())
-        unsure &= self._exists[k][rows][:, None]
-        if unsure.any():
-            for row, sun in np.argwhere(unsure):
+        uncertain = np.abs(s) <= self._largest[k][rows][:, None] * (2e-15 * np.abs(d).max())
+        uncertain &= self._exists[k][rows][:, None]
+        if uncertain.any():
+            for row, sun in np.argwhere(uncertain):
                 above[row, sun] = exact_sum(n[row], d[sun]) > 0
         return above
 

@@ -83,8 +83,8 @@ def digests(plan: Plan) -> dict[str, str]:
     for name in plan.results:
         array = plan.store.array(f"results.zarr/{name}")
         parts = []
-        for at in np.ndindex(array.shape[: array.ndim - len(plan.receivers.shape)]):
-            values = np.ascontiguousarray(array[at])
+        for index in np.ndindex(array.shape[: array.ndim - len(plan.receivers.shape)]):
+            values = np.ascontiguousarray(array[index])
             parts.append(sha256_of(values.astype(values.dtype.newbyteorder("<"), copy=False).view(np.uint8).data))
         result[name] = sha256_of("".join(parts).encode())
     return result

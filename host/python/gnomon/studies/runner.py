@@ -43,7 +43,7 @@ class Execution:
     client: a distributed.Client that you have.
     device: for all workers: a name as in gnomon.use().
     tiles: only these receiver tiles, for job arrays. Jobs may share a folder once one has made the plan.
-    restart: begin anew, and drop the study that is in the folder.
+    restart: begin again, and drop the study that is in the folder.
     check: read the chunks of done tasks, and compute damaged ones again.
     progress: show a bar.
     """

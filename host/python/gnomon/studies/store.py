@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The folder of a study.
 
-    study.json        the settings and what was planned: lattice, sizes, hashes of what follows
+    study.json        the settings and the plan: the lattice, and hashes
     suns.npz          the table of suns; survey.npz the caster tiles; points.npy the receivers that are no raster
     results.zarr      lit, undecided, sun_hours, ...: the study's results
     partials.zarr     whole-number sums of each block of suns

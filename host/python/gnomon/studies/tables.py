@@ -132,7 +132,7 @@ def read_suns(file: str) -> SunTable:
     has_angles = table.has("azimuth", "elevation")
     if not has_angles and not table.has("x", "y", "z"):
         raise ValueError(f"{file}: a table of suns needs the columns x, y, z or azimuth, elevation")
-    weights = table.column("weight") if table.has("weight") else np.ones(len(table))
+    weights = _weights(table) if table.has("weight") else np.ones(len(table))
     is_up = np.ones(len(table), bool)
     azimuth = elevation = None
     if has_angles:
@@ -143,6 +143,15 @@ def read_suns(file: str) -> SunTable:
         azimuth, elevation = azimuth[is_up], elevation[is_up]
     towards = _directions(table, is_up)[is_up] if table.has("x", "y", "z") else None
     return SunTable(towards, azimuth, elevation, weights[is_up], int((~is_up).sum()))
+
+
+def _weights(table: NumberTable) -> NDArray[np.float64]:
+    """(N,) float32 values, as gnomon.Lights has them."""
+    with np.errstate(over="ignore"):
+        weights = table.column("weight").astype(np.float32).astype(np.float64)
+    if (row := first_row(~np.isfinite(weights))) is not None:
+        table.refuse(row, "a weight beyond float32")
+    return weights
 
 
 def _directions(table: NumberTable, is_up: NDArray[np.bool_]) -> NDArray[np.float32]:
@@ -169,7 +178,7 @@ def suns_text(towards: NDArray[np.float32], weights: NDArray[np.float64], times:
     lines = ["time,x,y,z,up,weight" if times else "x,y,z,up,weight"]
     for i, (x, y, z) in enumerate((0 - towards).tolist()):
         time = f"{times[i]}," if times else ""
-        lines.append(f"{time}{x:.9g},{y:.9g},{z:.9g},z,{weights[i]:.17g}")
+        lines.append(f"{time}{x:.9g},{y:.9g},{z:.9g},z,{np.float32(weights[i]):.9g}")
     return "\n".join(lines) + "\n"
 
 
