@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A run over many lights, one light at a time, as every technique can; and what all such runs share.
+// A run over many lights, one light at a time, as every technique can do it; and the functions that all such runs
+// share.
 #include "lights/many_lights.hpp"
 
 #include <algorithm>

@@ -67,7 +67,7 @@ Ids seen_of(const Device& device, const View& view, const Ids& ids) {
     return seen;
 }
 
-/// Points that no part so far has put into shadow.
+/// The points that no part so far has put into shadow.
 struct OpenPoints {
     std::vector<float> positions;  ///< 3 each
     std::vector<float> normals;    ///< 3 each where these decide facing, else empty

@@ -79,7 +79,7 @@ std::vector<Statistics> Technique::run_each_light(const Triangles& triangles, co
     });
 }
 
-// The ways of a table that are not one light at a time know the other sides, and no fans.
+// Only one light at a time decides facing by fans; all methods decide it by the other sides.
 Statistics Technique::run_light_table(const Triangles& triangles, const Points& points, const Lights& lights,
                                       const LightsOutputs& outputs, const RunOptions& options) {
     const LightsOptions chosen{given_sides(device(), triangles, points, options.facing), outputs.cosines,
