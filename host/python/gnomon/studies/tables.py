@@ -165,7 +165,7 @@ def _directions(table: NumberTable, is_up: NDArray[np.bool_]) -> NDArray[np.floa
         y, z = np.where(is_y_up, -z, y), np.where(is_y_up, y, z)
     with np.errstate(over="ignore"):
         towards = (0.0 - np.stack([x, y, z], axis=1)).astype(np.float32)  # 0 - x: no minus zero
-    if (row := first_row(~np.isfinite(towards).all(axis=1))) is not None:
+    if (row := first_row(np.asarray(~np.isfinite(towards).all(axis=1)))) is not None:
         table.refuse(row, "x, y, z beyond float32")
     if (row := first_row(is_up & (towards[:, 2] <= 0))) is not None:
         table.refuse(row, "x, y, z of light that does not travel downwards")
