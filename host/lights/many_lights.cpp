@@ -8,7 +8,7 @@
 
 #include "cl/opencl.hpp"
 #include "query/statistics.hpp"
-#include "receivers/given_sides.hpp"
+#include "receivers/backfacing.hpp"
 
 namespace gnomon {
 namespace {

@@ -10,7 +10,7 @@
 namespace gnomon {
 
 /// The options of a run over many lights, as a technique takes them.
-struct LightsOptions : GivenSides {
+struct LightsOptions : FacingInputs {
     bool cosines = false;  ///< as in LightsOutputs
     std::function<bool(double)> progress{};
 };
