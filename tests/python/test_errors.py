@@ -56,7 +56,7 @@ def test_meshes(vertices, faces, text):
         ({"direction": (0, 0, 1), "side": gnomon.Side.front()}, "side: Side.front.. needs receivers="),
         ({"direction": (0, 0, 1), "side": gnomon.Side.eye((0, 0, 1))}, "side: Side.eye.. needs receivers="),
         ({"direction": (0, 0, 1), "nan": "ignore"}, "nan: 'ignore'"),
-        ({"direction": (0, 0, 1), "out": np.zeros(2)}, "out: only for"),
+        ({"direction": (0, 0, 1), "out": np.zeros(2)}, "out: is only for"),
     ],
 )
 def test_calls(scene, arguments, text):

@@ -103,7 +103,7 @@ def test_what_does_not_fit(queue):
         scene.lit(array, direction=(0, 0, 1), out=cl.array.empty(queue, 3, np.float32))
     with pytest.raises(ValueError, match="side: Side.vertices.. is only for points on the host"):
         scene.lit(array, direction=(0, 0, 1), side=gnomon.Side.vertices())
-    with pytest.raises(TypeError, match="normals: a pyopencl array does not fit"):
+    with pytest.raises(TypeError, match="normals: must be an array in host memory, not a pyopencl array"):
         scene.lit(points, direction=(0, 0, 1), side=gnomon.Side.normals(array))
     with pytest.raises(ValueError, match="another OpenCL queue"):
         other = cl.CommandQueue(queue.context)
