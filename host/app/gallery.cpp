@@ -2,6 +2,7 @@
 // The outline of `gnomon gallery`: gallery(), at the end, reads top to bottom.
 #include "options.hpp"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -169,9 +170,9 @@ ordered_json page_json(const GalleryOptions& options, const Device& device, cons
         {"facts", ordered_json::array({{"scene", name + ", " + grouped(scene.triangle_count()) + " triangles"},
                                        {"camera", camera.source},
                                        {"light", light_option(light) + " (" + light.source + ")" + disk},
-                                       {"picture", std::to_string(width) + " x " + std::to_string(height)},
+                                       {"picture", fmt::format("{} x {}", width, height)},
                                        {"device", d.name + " (" + d.platform + ", " + d.driver_version + ")"},
-                                       {"timed runs", std::to_string(options.runs) + " of each, after one to warm up"},
+                                       {"timed runs", fmt::format("{} of each, after one to warm up", options.runs)},
                                        {"made by", "gnomon " + std::string(version())}})}};
 }
 
@@ -215,8 +216,8 @@ void gallery(const GalleryOptions& options) {
     file.write_all(html.data(), html.size());
     files.commit();
     if (!options.quiet)
-        print_result("wrote " + options.page.string() + ": " + std::to_string(page["exhibits"].size()) +
-                     " techniques, " + bytes_for_people(html.size()) + "\n");
+        print_result(fmt::format("wrote {}: {} techniques, {}\n", options.page.string(), page["exhibits"].size(),
+                                 bytes_for_people(html.size())));
 }
 
 }  // namespace gnomon::app
