@@ -13,9 +13,9 @@ run_packages=(
     libfmt-dev                     # the command: sentences
     libmeshoptimizer-dev           # the command: packed scenes, as scenes/sponza.glb is
     libdraco-dev                   # optional: meshes that Draco compressed
-    libstb-dev                     # the command: the numbers of a legend; tests: PNG files
+    libstb-dev zlib1g-dev          # the command, tools and tests: PNG files
     liberfa-dev                    # optional: the sun's positions for gnomon hours
-    libpng-dev libopenimageio-dev  # the command: pictures; EXR files and galleries
+    libopenimageio-dev             # the command: EXR files, and images of scenes
     openimageio-tools              # OpenImageIO's CMake files refuse to be found without its tools
 )
 test_packages=(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-# The scene maker, as build/tools/make_scenes. It needs CLI11, {fmt} and nlohmann-json, nothing of gnomon. Its
+# The scene maker, as build/tools/make_scenes. It needs CLI11, {fmt}, stb and nlohmann-json, nothing of gnomon. Its
 # recipes are a library, for the benchmark and the stress suite.
 find_package(CLI11 REQUIRED)
 find_package(fmt CONFIG REQUIRED)

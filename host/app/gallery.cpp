@@ -193,7 +193,6 @@ void gallery(const GalleryOptions& options) {
     OutputFiles files;
     if (options.scene) files.protect(*options.scene);
     OutputFile& file = files.open(options.page);
-    require_openimageio();
     const Device device = open_device(options, false);
     // A wrong setting is refused before the long work.
     for (const Chosen& one : all) make_technique(device, one.technique.name, one.settings);
