@@ -43,7 +43,9 @@ Chosen parse_technique(const std::string& text) {
     Chosen chosen{described(text.substr(0, colon)), {}};
     for (std::size_t at = colon; at != std::string::npos;) {
         const std::size_t comma = text.find(',', at + 1);
-        chosen.settings.push_back(parse_setting("--technique", text.substr(at + 1, comma - at - 1)));
+        const auto read = setting().read(text.substr(at + 1, comma - at - 1));
+        if (!read) throw UsageError("--technique needs " + setting().needs + " behind the colon, not \"" + text + "\"");
+        chosen.settings.push_back(*read);
         at = comma;
     }
     return chosen;
