@@ -3,10 +3,10 @@
 // gives it the functions look(), read() and lift(); samples.cpp runs it for many samples per pixel.
 #pragma once
 
-#include "api/inputs.hpp"
 #include "kernels/camera/camera.h"
 #include "kernels/simd/projection.h"
 #include "occluders/occluder_lists.hpp"
+#include "query/inputs.hpp"
 
 namespace gnomon {
 

@@ -5,9 +5,9 @@
 
 #include <vector>
 
-#include "api/inputs.hpp"
 #include "kernels/horizons/height_field.h"
 #include "lists/morton.hpp"
+#include "query/inputs.hpp"
 
 namespace gnomon {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Stage horizons: lights of sectors decided by the horizon of a height field (kernels/horizons/horizons.h), before
-// shafts decide what stays open.
+// beams decide what stays open.
 #pragma once
 
 #include "horizons/height_field.hpp"

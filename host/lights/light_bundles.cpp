@@ -7,8 +7,8 @@
 #include <iterator>
 #include <numeric>
 
-#include "api/vectors.hpp"
 #include "kernels/lists/morton.h"
+#include "query/vectors.hpp"
 
 namespace gnomon {
 namespace {

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "api/vectors.hpp"
 #include "lights/many_lights.hpp"
+#include "query/vectors.hpp"
 
 namespace gnomon {
 namespace {

@@ -5,8 +5,8 @@
 #include <numbers>
 
 #include <gnomon.hpp>
-#include "api/inputs.hpp"
-#include "api/vectors.hpp"
+#include "query/inputs.hpp"
+#include "query/vectors.hpp"
 
 namespace gnomon {
 namespace {

@@ -35,13 +35,13 @@ bool may_take_single_lights(const LightsTraits& traits) {
 // The method by rule, or no value where costs decide.
 std::optional<LightsMethod> method_by_rule(const LightsTraits& traits) {
     if (!are_shared(traits)) return LightsMethod::one_by_one;
-    if (!are_worth_measuring(traits)) return LightsMethod::shafts;
+    if (!are_worth_measuring(traits)) return LightsMethod::beams;
     if (traits.is_cpu) return {};
     if (traits.is_height_field) return LightsMethod::horizons;
-    if (are_thin(traits)) return LightsMethod::shafts;
+    if (are_thin(traits)) return LightsMethod::beams;
     if (traits.are_point_lights)
-        return traits.points < tuning.gpu_points_of_single_lights ? LightsMethod::shafts : LightsMethod::one_by_one;
-    if (!may_take_single_lights(traits)) return LightsMethod::shafts;
+        return traits.points < tuning.gpu_points_of_single_lights ? LightsMethod::beams : LightsMethod::one_by_one;
+    if (!may_take_single_lights(traits)) return LightsMethod::beams;
     return {};
 }
 
@@ -59,7 +59,7 @@ bool wants_widest_bundle(const LightsTraits& traits) {
 
 std::vector<LightsMethod> methods_to_measure(const LightsTraits& traits) {
     if (method_by_rule(traits)) return {};
-    std::vector<LightsMethod> methods{LightsMethod::shafts};
+    std::vector<LightsMethod> methods{LightsMethod::beams};
     if (traits.is_cpu) methods.push_back(LightsMethod::rays);
     if (traits.is_cpu && traits.is_height_field) methods.push_back(LightsMethod::horizons);
     if (may_take_single_lights(traits)) methods.push_back(LightsMethod::one_by_one);
@@ -69,9 +69,9 @@ std::vector<LightsMethod> methods_to_measure(const LightsTraits& traits) {
 LightsMethod choose_method(const LightsTraits& traits, const LightsCosts& costs) {
     if (const auto method = method_by_rule(traits)) return *method;
     LightsCosts expected = costs;
-    if (!traits.is_cpu) expected[LightsMethod::shafts] *= tuning.gpu_shafts_over_estimate;
-    // Of equal ones the first: shafts take the least memory.
-    constexpr LightsMethod methods[] = {LightsMethod::shafts, LightsMethod::rays, LightsMethod::horizons,
+    if (!traits.is_cpu) expected[LightsMethod::beams] *= tuning.gpu_beams_over_estimate;
+    // Of equal ones the first: beams take the least memory.
+    constexpr LightsMethod methods[] = {LightsMethod::beams, LightsMethod::rays, LightsMethod::horizons,
                                         LightsMethod::one_by_one};
     return *std::ranges::min_element(methods, {}, [&](LightsMethod method) { return expected[method]; });
 }

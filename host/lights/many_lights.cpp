@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <numeric>
 
-#include "api/statistics.hpp"
 #include "cl/opencl.hpp"
+#include "query/statistics.hpp"
 #include "receivers/given_sides.hpp"
 
 namespace gnomon {

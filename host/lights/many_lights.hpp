@@ -2,10 +2,10 @@
 // A run over many lights: its inputs checked, its outputs, and the ways to decide the masks of bundles.
 #pragma once
 
-#include "api/inputs.hpp"
 #include "kernels/lights/light_sums.h"
 #include "lights/light_bundles.hpp"
 #include "lights/point_order.hpp"
+#include "query/inputs.hpp"
 
 namespace gnomon {
 

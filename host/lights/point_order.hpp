@@ -2,8 +2,8 @@
 // Stage point_order: a copy of points, sorted along a space-filling curve (kernels/lights/point_order.h).
 #pragma once
 
-#include "api/inputs.hpp"
 #include "kernels/lights/point_order.h"
+#include "query/inputs.hpp"
 
 namespace gnomon {
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "api/vectors.hpp"
 #include "lights/light_bundles.hpp"
+#include "query/vectors.hpp"
 
 namespace gnomon {
 namespace {

@@ -3,7 +3,7 @@
 // (kernels/receivers/given_sides.h).
 #pragma once
 
-#include "api/inputs.hpp"
+#include "query/inputs.hpp"
 
 namespace gnomon {
 

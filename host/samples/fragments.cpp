@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
-#include "api/statistics.hpp"
 #include "kernels/lists/append.h"
 #include "kernels/receivers/footprint.h"
+#include "query/statistics.hpp"
 
 namespace gnomon {
 

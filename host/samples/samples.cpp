@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "api/statistics.hpp"
+#include "query/statistics.hpp"
 
 namespace gnomon {
 namespace {

@@ -6,7 +6,7 @@
 #include <functional>
 #include <optional>
 
-#include "api/statistics.hpp"
+#include "query/statistics.hpp"
 #include "receivers/light_frames.hpp"
 #include "trace/light_order.hpp"
 #include "trace/map_choice.hpp"

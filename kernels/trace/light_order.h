@@ -4,6 +4,7 @@
 #pragma once
 
 #include "receivers/light_frame.h"
+#include "simd/points.h"
 
 // The points of a sampled run of neighbours, as many as a block has on a CPU.
 #define LIGHT_ORDER_RUN 16u

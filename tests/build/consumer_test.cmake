@@ -59,9 +59,12 @@ expect("${build}/failures" "InvalidArgument\nDeviceNotFound\nOutOfDeviceMemory\n
 
 if(WAY STREQUAL "installed_shared")
   file(GLOB_RECURSE library "${prefix}/libgnomon.so")
+  file(GLOB_RECURSE full_library "${prefix}/libgnomon_full.so")
   if(NM)
-    run("${CMAKE_CURRENT_LIST_DIR}/exported_symbols.sh" "${NM}" "${library}" "${prefix}/include"
-        "${CMAKE_CURRENT_LIST_DIR}/c_symbols.txt")
+    set(symbols "${CMAKE_CURRENT_LIST_DIR}/c_symbols.txt")
+    run("${CMAKE_CURRENT_LIST_DIR}/exported_symbols.sh" "${NM}" "${library}" "${prefix}/include" "${symbols}")
+    run("${CMAKE_CURRENT_LIST_DIR}/exported_symbols.sh" "${NM}" "${full_library}" "${prefix}/include" "${symbols}"
+        "${CMAKE_CURRENT_LIST_DIR}/c_symbols_of_full.txt")
   else()
     message("NOT TESTED: there is no nm to list the exported symbols")
   endif()
