@@ -51,6 +51,14 @@ auto into(To& to) {
     };
 }
 
+/// CLI11's check that a text is of this kind.
+template <typename Value>
+auto check_of(const Kind<Value>& kind) {
+    return [kind](const std::string& text) {
+        return kind.read(text) ? std::string() : "needs " + kind.needs + ", not \"" + text + "\"";
+    };
+}
+
 /// A group of a command's help. Called, it adds an option with one value, which `store` gets; of the values that a
 /// repeated option has the last counts.
 struct Group {
@@ -60,14 +68,11 @@ struct Group {
     template <typename Value, typename Store>
     void operator()(const std::string& names, const std::string& type, const std::string& meaning,
                     const Kind<Value>& kind, const Store& store) const {
-        const auto check = [=](const std::string& text) {
-            return kind.read(text) ? std::string() : "needs " + kind.needs + ", not \"" + text + "\"";
-        };
         const auto store_all = [=](const std::vector<std::string>& texts) {
             for (const std::string& text : texts) store(*kind.read(text));
         };
         app.add_option_function<std::vector<std::string>>(names, store_all, meaning)
-            ->check(check)
+            ->check(check_of(kind))
             ->option_text(type)
             ->group(name)
             ->allow_extra_args(false);
@@ -324,8 +329,11 @@ std::string help_of(const CLI::App& app) { return CLI::detail::find_and_replace(
 CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& meaning, ViewOptions& options) {
     CLI::App* command = app.add_subcommand(name, meaning);
     // A scene's name can equal a subcommand's name only if it has no extension; "./devices" is a file.
-    const Group add{*command, "Positionals"};
-    add("SCENE", " ", "A .glb or .gltf file (default: a built-in sundial)", file_name(), into(options.scene));
+    command
+        ->add_option_function<std::string>("SCENE", into(options.scene),
+                                           "A .glb or .gltf file (default: a built-in sundial)")
+        ->check(check_of(file_name()))
+        ->option_text(" ");
     command->footer(help_text(name));
     return command;
 }
