@@ -2,6 +2,8 @@
 // See run.hpp.
 #include "run.hpp"
 
+#include <fmt/core.h>
+
 namespace stress {
 
 CaseResult run_case(const Case& a_case, const gnomon::Device& device, Judge& judge, const RunOptions& options) {
