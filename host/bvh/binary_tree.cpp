@@ -8,8 +8,8 @@
 namespace gnomon {
 namespace {
 
-// A round that joins fewer of its clusters than one in so many is followed by a forced one: boxes within boxes, each a
-// little larger, would take a round each.
+// A round that joins less than this share of its clusters is followed by a forced round. Nested boxes, each a little
+// larger than the one in it, would else take a round each.
 constexpr std::uint32_t slow_round = 16;
 
 constexpr const char* file = "bvh/binary_tree.cl";

@@ -27,8 +27,8 @@ private:
 
 class BinaryTree {
 public:
-    /// Of at least one triangle. `width`: of ranks. `is_balanced`: neighbours along the curve are joined, whatever
-    /// their boxes are, so that units are as full as can be.
+    /// Builds the tree over at least one triangle. `width`: the number of ranks of a unit. `is_balanced`: neighbours
+    /// along the curve are joined whatever their boxes are, which fills the units.
     BinaryTree(cl::Session& session, const TriangleInputs& triangles, const TriangleCurve& curve, std::uint32_t width,
                bool is_balanced);
 

@@ -8,7 +8,7 @@
 namespace gnomon {
 namespace {
 
-// Leaves of fewer triangles, on average, take too much memory: 576 bytes each on a CPU.
+// The least mean number of triangles in a leaf. A leaf takes 576 bytes on a CPU, however few triangles it has.
 constexpr std::uint32_t fewest_triangles_of_leaf = 4;
 
 }  // namespace
@@ -22,8 +22,8 @@ WideBvh::WideBvh(const Device& device, const Triangles& given) : device_(device)
     if (!build(triangles, curve, false)) build(triangles, curve, true);
 }
 
-// False if the tree is too high for the kernels' stacks, or its leaves are too small. A balanced one never is: it has
-// at most 24 levels for 2^28 triangles, and full leaves.
+// Returns false if the tree is too high for the kernels' stacks, or its leaves are too small. A balanced tree is
+// neither: it has at most 24 levels for 2^28 triangles, and full leaves.
 bool WideBvh::build(const TriangleInputs& triangles, const TriangleCurve& curve, bool is_balanced) {
     cl::Session& session = session_of(device_);
     const std::uint32_t width = bvh_width(session);
@@ -60,7 +60,7 @@ bool WideBvh::build(const TriangleInputs& triangles, const TriangleCurve& curve,
     }
 }
 
-// Level by level, until a level has no nodes or there is no room for them.
+// Makes the nodes level by level, until a level has no nodes or the buffer has no room for them.
 WideBvh::Made WideBvh::make_nodes(WideBvhParams params, const TriangleCurve& curve, const BinaryTree& binary,
                                   const cl::Buffer& leaf_roots) {
     cl::Session& session = session_of(device_);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Stage wide_bvh: the tree over the triangles through which beams find their occluders (kernels/bvh/wide_bvh.h).
+// Stage wide_bvh: the BVH over the triangles, in which beams and packets find their occluders (kernels/bvh/wide_bvh.h).
+// A binary tree by parallel locally ordered clustering (Meister and Bittner 2018) is collapsed to wide nodes.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +12,7 @@ namespace gnomon {
 
 class WideBvh {
 public:
-    /// Of at least one triangle.
+    /// Builds the BVH over at least one triangle.
     WideBvh(const Device& device, const Triangles& triangles);
 
     const Triangles& triangles() const { return triangles_; }
@@ -22,7 +23,7 @@ public:
     /// The first node of each level, from the root down, and the number of all nodes.
     const std::vector<std::uint32_t>& levels() const { return levels_; }
     std::uint32_t leaf_count() const { return leaf_count_; }
-    /// The largest magnitude of a coordinate. There is no tree if it exceeds BVH_MAX_COORDINATE.
+    /// The largest magnitude of a coordinate. Above BVH_MAX_COORDINATE there is no BVH.
     float largest_coordinate() const { return largest_coordinate_; }
 
 private:
@@ -43,11 +44,12 @@ private:
     float largest_coordinate_ = 0;
 };
 
-/// The number of a block's points, and of a node's children, on this device.
+/// The number of points in a block, and of children in a node, on this device.
 inline std::uint32_t bvh_width(const cl::Session& session) {
     return session.is_cpu() ? BVH_WIDTH_ON_CPU : BVH_WIDTH_ON_GPU;
 }
-/// For BEAM_FOR_EACH over `tasks` of unlike length: work-items on a CPU, groups on a GPU.
+/// The range of a kernel that runs BEAM_FOR_EACH over `tasks`, whose lengths differ: work-items on a CPU, groups on a
+/// GPU.
 inline cl::Range bvh_range(const cl::Session& session, std::size_t tasks) {
     constexpr std::size_t most_groups = 65536;
     return session.is_cpu() ? session.uneven_items(tasks, 1)

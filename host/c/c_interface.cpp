@@ -28,12 +28,12 @@ gnomon_status failed(gnomon_status status, std::string_view text, cl_int opencl_
 }
 
 DeviceOptions options_of(const gnomon_device_options* options) {
-    const gnomon_device_options& from = sized_or(options, "options", GNOMON_DEVICE_OPTIONS_INIT);
-    return {.profile = from.profile,
-            .memory_limit_bytes = from.memory_limit_bytes,
-            .hide_fp64 = from.hide_fp64,
-            .work_group_size = from.work_group_size,
-            .gpu_kernels = from.gpu_kernels};
+    const gnomon_device_options& c_options = sized_or(options, "options", GNOMON_DEVICE_OPTIONS_INIT);
+    return {.profile = c_options.profile,
+            .memory_limit_bytes = c_options.memory_limit_bytes,
+            .hide_fp64 = c_options.hide_fp64,
+            .work_group_size = c_options.work_group_size,
+            .gpu_kernels = c_options.gpu_kernels};
 }
 
 gnomon_device* new_device(const Device& device) {
@@ -108,33 +108,34 @@ Facing facing_of(const gnomon_facing& from, const Points& points) {
 }  // namespace
 
 RunOptions run_options_at(const gnomon_run_options* options, const Points& points) {
-    const gnomon_run_options& from = sized_or(options, "options", GNOMON_RUN_OPTIONS_INIT);
-    RunOptions made{.facing = facing_of(from.facing, points)};
-    if (from.progress != nullptr)
-        made.progress = [progress = from.progress, user_data = from.user_data](double done) {
+    const gnomon_run_options& c_options = sized_or(options, "options", GNOMON_RUN_OPTIONS_INIT);
+    RunOptions made{.facing = facing_of(c_options.facing, points)};
+    if (c_options.progress != nullptr)
+        made.progress = [progress = c_options.progress, user_data = c_options.user_data](double done) {
             return progress(done, user_data) == 0;
         };
     return made;
 }
 
 Camera camera_at(const gnomon_camera* camera) {
-    const gnomon_camera& from = at(camera, "camera");
-    return {.eye = float3_at(from.eye, "eye"),
-            .right = values_at<double, 3>(from.right, "right"),
-            .up = values_at<double, 3>(from.up, "up"),
-            .forward = values_at<double, 3>(from.forward, "forward"),
-            .fov_y_radians = from.fov_y_radians};
+    const gnomon_camera& c_camera = at(camera, "camera");
+    return {.eye = float3_at(c_camera.eye, "eye"),
+            .right = values_at<double, 3>(c_camera.right, "right"),
+            .up = values_at<double, 3>(c_camera.up, "up"),
+            .forward = values_at<double, 3>(c_camera.forward, "forward"),
+            .fov_y_radians = c_camera.fov_y_radians};
 }
 
 std::vector<CutOutMaterial> materials_at(const gnomon_cut_out_material* materials, std::size_t count) {
     std::vector<CutOutMaterial> all;
-    for (const gnomon_cut_out_material& from : array(materials, count, 1, "materials")) {
-        sized_at(&from, "materials[i]");
-        if (std::max(from.wrap_u, from.wrap_v) > GNOMON_WRAP_CLAMP || from.filter > GNOMON_FILTER_LINEAR)
+    for (const gnomon_cut_out_material& c_material : array(materials, count, 1, "materials")) {
+        sized_at(&c_material, "materials[i]");
+        if (std::max(c_material.wrap_u, c_material.wrap_v) > GNOMON_WRAP_CLAMP ||
+            c_material.filter > GNOMON_FILTER_LINEAR)
             throw InvalidArgument("materials[" + std::to_string(all.size()) +
                                   "] has a wrap or a filter that is none: begin with GNOMON_CUT_OUT_MATERIAL_INIT");
-        all.push_back({from.texture, TextureWrap(from.wrap_u), TextureWrap(from.wrap_v), TextureFilter(from.filter),
-                       from.cutoff, from.alpha_factor});
+        all.push_back({c_material.texture, TextureWrap(c_material.wrap_u), TextureWrap(c_material.wrap_v),
+                       TextureFilter(c_material.filter), c_material.cutoff, c_material.alpha_factor});
     }
     return all;
 }
@@ -272,9 +273,9 @@ gnomon_status gnomon_device_finish(const gnomon_device* device) {
 
 gnomon_status gnomon_device_memory(const gnomon_device* device, uint64_t* bytes_out, uint64_t* peak_bytes_out) {
     return guarded([&] {
-        const Device& from = at(device, "device").device;
-        give(bytes_out, from.memory_bytes());
-        give(peak_bytes_out, from.peak_memory_bytes());
+        const Device& cpp_device = at(device, "device").device;
+        give(bytes_out, cpp_device.memory_bytes());
+        give(peak_bytes_out, cpp_device.peak_memory_bytes());
     });
 }
 
@@ -322,14 +323,15 @@ gnomon_status gnomon_triangles_copy_cut_outs(const gnomon_device* device, cl_mem
                                              gnomon_triangles** triangles_out) {
     return made(device, triangles_out, "triangles_out", [&](const Device& on) {
         at(vertices, "vertices");
-        const gnomon_cut_out_buffers& from = sized_at(cut_outs, "cut_outs");
-        const std::vector<CutOutMaterial> materials = materials_at(from.materials, from.material_count);
+        const gnomon_cut_out_buffers& c_buffers = sized_at(cut_outs, "cut_outs");
+        const std::vector<CutOutMaterial> materials = materials_at(c_buffers.materials, c_buffers.material_count);
         std::vector<CutOutBuffers::Texture> textures;
-        for (const gnomon_alpha_texture_buffer& texture : array(from.textures, from.texture_count, 1, "textures"))
+        for (const gnomon_alpha_texture_buffer& texture :
+             array(c_buffers.textures, c_buffers.texture_count, 1, "textures"))
             textures.push_back({texture.width, texture.height, &at(texture.alpha, "textures[i].alpha")});
-        return Triangles::copy(
-            on, vertices, count, first_float,
-            {from.material_of_triangle, from.texture_coordinates, from.corner_alphas, materials, textures});
+        return Triangles::copy(on, vertices, count, first_float,
+                               {c_buffers.material_of_triangle, c_buffers.texture_coordinates, c_buffers.corner_alphas,
+                                materials, textures});
     });
 }
 
@@ -343,9 +345,9 @@ gnomon_status gnomon_triangles_cut_out_counts(const gnomon_triangles* triangles,
 gnomon_status gnomon_triangles_keep_clusters(gnomon_triangles* triangles, cl_event* event_out) {
     return guarded([&] {
         WorkResults results(event_out);
-        gnomon_triangles& of = at(triangles, "triangles");
-        of.triangles.keep_clusters(of.device);
-        results.finish(of.device);
+        gnomon_triangles& c_triangles = at(triangles, "triangles");
+        c_triangles.triangles.keep_clusters(c_triangles.device);
+        results.finish(c_triangles.device);
     });
 }
 
@@ -355,9 +357,9 @@ gnomon_status gnomon_triangles_count(const gnomon_triangles* triangles, size_t* 
 
 gnomon_status gnomon_triangles_buffer(const gnomon_triangles* triangles, cl_mem* buffer_out, size_t* first_float_out) {
     return guarded([&] {
-        const Triangles& from = at(triangles, "triangles").triangles;
-        give(buffer_out, from.buffer());
-        give(first_float_out, from.first_float());
+        const Triangles& cpp_triangles = at(triangles, "triangles").triangles;
+        give(buffer_out, cpp_triangles.buffer());
+        give(first_float_out, cpp_triangles.first_float());
     });
 }
 
@@ -407,9 +409,9 @@ gnomon_status gnomon_points_count(const gnomon_points* points, size_t* count_out
 gnomon_status gnomon_points_positions(const gnomon_points* points, cl_mem* buffer_out,
                                       gnomon_point_layout* layout_out) {
     return guarded([&] {
-        const Points& from = at(points, "points").points;
-        const PointLayout& layout = from.layout();
-        give(buffer_out, from.positions());
+        const Points& cpp_points = at(points, "points").points;
+        const PointLayout& layout = cpp_points.layout();
+        give(buffer_out, cpp_points.positions());
         give(layout_out, {layout.first, layout.point_stride, layout.coordinate_stride});
     });
 }
@@ -420,8 +422,8 @@ gnomon_status gnomon_points_receivers(const gnomon_points* points, cl_mem* buffe
 
 gnomon_status gnomon_points_read(const gnomon_points* points, float* positions_out, uint32_t* receivers_out) {
     return guarded([&] {
-        const gnomon_points& from = at(points, "points");
-        const PointsOnHost host = from.points.read(from.device);
+        const gnomon_points& c_points = at(points, "points");
+        const PointsOnHost host = c_points.points.read(c_points.device);
         if (positions_out != nullptr) std::copy(host.position.begin(), host.position.end(), positions_out);
         if (receivers_out != nullptr) std::copy(host.receiver.begin(), host.receiver.end(), receivers_out);
     });
@@ -432,11 +434,11 @@ gnomon_status gnomon_points_lift(const gnomon_points* points, const gnomon_trian
     return guarded([&] {
         WorkResults results(event_out);
         gnomon_points*& out = result_at(lifted_out, "lifted_out");
-        const gnomon_points& from = at(points, "points");
+        const gnomon_points& c_points = at(points, "points");
         const Triangles& off = at(triangles, "triangles").triangles;
         auto lifted = std::make_unique<gnomon_points>(
-            gnomon_points{from.device, lift(from.device, off, from.points, float3_at(eye, "eye"))});
-        results.finish(from.device);
+            gnomon_points{c_points.device, lift(c_points.device, off, c_points.points, float3_at(eye, "eye"))});
+        results.finish(c_points.device);
         out = lifted.release();
     });
 }

@@ -88,8 +88,8 @@ gnomon_status result_of(T** out, const char* argument, const Value& value) noexc
 template <typename Handle, typename Make>
 gnomon_status made(const gnomon_device* device, Handle** out, const char* argument, const Make& make) noexcept {
     return result_of(out, argument, [&] {
-        const Device& on = at(device, "device").device;
-        return new Handle{on, make(on)};
+        const Device& cpp_device = at(device, "device").device;
+        return new Handle{cpp_device, make(cpp_device)};
     });
 }
 

@@ -8,8 +8,9 @@ using namespace gnomon::c;
 namespace {
 
 WorldLattice lattice_at(const gnomon_world_lattice* lattice, const char* argument = "lattice") {
-    const gnomon_world_lattice& from = at(lattice, argument);
-    return {.exponent = from.exponent, .origin = values_at<std::int64_t, 3>(from.origin, argument)};
+    const gnomon_world_lattice& c_world_lattice = at(lattice, argument);
+    return {.exponent = c_world_lattice.exponent,
+            .origin = values_at<std::int64_t, 3>(c_world_lattice.origin, argument)};
 }
 
 void give_lattice(const WorldLattice& lattice, gnomon_world_lattice* lattice_out) {

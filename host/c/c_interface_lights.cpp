@@ -83,13 +83,13 @@ gnomon_status gnomon_technique_run_light_table(gnomon_technique* technique, cons
                                                const gnomon_statistics** statistics_out) {
     return guarded([&] {
         WorkResults results(nullptr, statistics_out);
-        const gnomon_technique& with = at(technique, "technique");
+        const gnomon_technique& c_technique = at(technique, "technique");
         const gnomon_light_table_buffers& to = sized_at(outputs, "outputs");
-        const Points& of = at(points, "points").points;
-        results.finish(with.device, with.technique->run_light_table(
-                                        at(triangles, "triangles").triangles, of, table_at(lights),
-                                        {to.bits, to.counts, to.sums, to.first_lit, to.last_lit, to.cosines},
-                                        run_options_at(options, of)));
+        const Points& cpp_points = at(points, "points").points;
+        results.finish(c_technique.device, c_technique.technique->run_light_table(
+                                               at(triangles, "triangles").triangles, cpp_points, table_at(lights),
+                                               {to.bits, to.counts, to.sums, to.first_lit, to.last_lit, to.cosines},
+                                               run_options_at(options, cpp_points)));
     });
 }
 
@@ -100,19 +100,19 @@ gnomon_status gnomon_technique_run_light_table_to_host(gnomon_technique* techniq
                                                        const gnomon_statistics** statistics_out) {
     return guarded([&] {
         WorkResults results(nullptr, statistics_out);
-        const gnomon_technique& with = at(technique, "technique");
+        const gnomon_technique& c_technique = at(technique, "technique");
         const gnomon_light_table_arrays& to = sized_at(outputs, "outputs");
-        const Points& of = at(points, "points").points;
-        LightsOnHost found =
-            run_light_table_to_host(*with.technique, at(triangles, "triangles").triangles, of, table_at(lights),
-                                    {.bits = to.bits != nullptr,
-                                     .counts = to.counts != nullptr,
-                                     .sums = to.sums != nullptr,
-                                     .first_lit = to.first_lit != nullptr,
-                                     .last_lit = to.last_lit != nullptr,
-                                     .cosines = to.cosines},
-                                    run_options_at(options, of));
-        results.finish(with.device, std::move(found.statistics));
+        const Points& cpp_points = at(points, "points").points;
+        LightsOnHost found = run_light_table_to_host(*c_technique.technique, at(triangles, "triangles").triangles,
+                                                     cpp_points, table_at(lights),
+                                                     {.bits = to.bits != nullptr,
+                                                      .counts = to.counts != nullptr,
+                                                      .sums = to.sums != nullptr,
+                                                      .first_lit = to.first_lit != nullptr,
+                                                      .last_lit = to.last_lit != nullptr,
+                                                      .cosines = to.cosines},
+                                                     run_options_at(options, cpp_points));
+        results.finish(c_technique.device, std::move(found.statistics));
         copy(found.bits, to.bits);
         copy(found.counts, to.counts);
         copy(found.sums, to.sums);
@@ -127,10 +127,10 @@ gnomon_status gnomon_technique_run_mean(gnomon_technique* technique, const gnomo
                                         cl_event* event_out, const gnomon_statistics** statistics_out) {
     return guarded([&] {
         WorkResults results(event_out, statistics_out);
-        const gnomon_technique& with = at(technique, "technique");
-        const Points& of = at(points, "points").points;
-        results.finish(with.device,
-                       run_mean(*with.technique, at(triangles, "triangles").triangles, of, table_at(lights),
-                                at(mean, "mean").visibility, run_options_at(options, of)));
+        const gnomon_technique& c_technique = at(technique, "technique");
+        const Points& cpp_points = at(points, "points").points;
+        results.finish(c_technique.device,
+                       run_mean(*c_technique.technique, at(triangles, "triangles").triangles, cpp_points,
+                                table_at(lights), at(mean, "mean").visibility, run_options_at(options, cpp_points)));
     });
 }

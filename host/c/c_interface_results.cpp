@@ -180,9 +180,9 @@ gnomon_status gnomon_points_explain(const gnomon_points* points, const gnomon_tr
                                     gnomon_light light, const gnomon_run_options* options,
                                     const gnomon_explanation** explanation_out) {
     return result_of(explanation_out, "explanation_out", [&] {
-        const gnomon_points& of = at(points, "points");
-        return new OwnedExplanation(explain(of.device, at(triangles, "triangles").triangles, of.points, index,
-                                            light_of(light), run_options_at(options, of.points).facing));
+        const gnomon_points& c_points = at(points, "points");
+        return new OwnedExplanation(explain(c_points.device, at(triangles, "triangles").triangles, c_points.points,
+                                            index, light_of(light), run_options_at(options, c_points.points).facing));
     });
 }
 
@@ -194,9 +194,10 @@ gnomon_status gnomon_host_scene_look(const gnomon_device* device, const gnomon_h
                                      const gnomon_camera* camera, uint32_t width, uint32_t height,
                                      const gnomon_view_of_parts** view_out) {
     return result_of(view_out, "view_out", [&] {
-        const Device& on = at(device, "device").device;
+        const Device& cpp_device = at(device, "device").device;
         const HostSceneArgument on_host(scene);
-        return new OwnedViewOfParts(on, look_in_parts(on, on_host.get(), camera_at(camera), width, height));
+        return new OwnedViewOfParts(cpp_device,
+                                    look_in_parts(cpp_device, on_host.get(), camera_at(camera), width, height));
     });
 }
 

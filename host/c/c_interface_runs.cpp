@@ -58,11 +58,11 @@ gnomon_status gnomon_technique_run(gnomon_technique* technique, const gnomon_tri
                                    const gnomon_statistics** statistics_out) {
     return guarded([&] {
         WorkResults results(event_out, statistics_out);
-        Technique& with = technique_at(technique);
-        const Points& of = at(points, "points").points;
+        Technique& cpp_technique = technique_at(technique);
+        const Points& cpp_points = at(points, "points").points;
         results.finish(technique->device,
-                       with.run(at(triangles, "triangles").triangles, of, light_of(light),
-                                at(visibility, "visibility").visibility, run_options_at(options, of)));
+                       cpp_technique.run(at(triangles, "triangles").triangles, cpp_points, light_of(light),
+                                         at(visibility, "visibility").visibility, run_options_at(options, cpp_points)));
     });
 }
 
@@ -73,11 +73,12 @@ gnomon_status gnomon_technique_run_each_light(gnomon_technique* technique, const
     return guarded([&] {
         WorkResults results(event_out);
         if (statistics_out != nullptr) std::fill_n(statistics_out, count, nullptr);
-        Technique& with = technique_at(technique);
-        const Points& of = at(points, "points").points;
+        Technique& cpp_technique = technique_at(technique);
+        const Points& cpp_points = at(points, "points").points;
         const LightVisibilities pairs(lights, count);
-        std::vector<Statistics> statistics = with.run_each_light(at(triangles, "triangles").triangles, of, pairs.lights,
-                                                                 pairs.visibilities, run_options_at(options, of));
+        std::vector<Statistics> statistics =
+            cpp_technique.run_each_light(at(triangles, "triangles").triangles, cpp_points, pairs.lights,
+                                         pairs.visibilities, run_options_at(options, cpp_points));
         std::vector<StatisticsPointer> shown;
         if (statistics_out != nullptr)
             for (Statistics& one : statistics) shown.emplace_back(new_statistics(std::move(one)));
@@ -104,10 +105,11 @@ gnomon_status gnomon_technique_diagnose(gnomon_technique* technique, const char*
                                         const gnomon_triangles* triangles, const gnomon_points* points,
                                         gnomon_light light, const gnomon_run_options* options, uint8_t* rgba_out) {
     return guarded([&] {
-        Technique& with = technique_at(technique);
-        const Points& of = at(points, "points").points;
-        const std::vector<std::uint8_t> drawn = with.diagnose(&at(name, "name"), at(triangles, "triangles").triangles,
-                                                              of, light_of(light), run_options_at(options, of).facing);
+        Technique& cpp_technique = technique_at(technique);
+        const Points& cpp_points = at(points, "points").points;
+        const std::vector<std::uint8_t> drawn =
+            cpp_technique.diagnose(&at(name, "name"), at(triangles, "triangles").triangles, cpp_points, light_of(light),
+                                   run_options_at(options, cpp_points).facing);
         std::copy(drawn.begin(), drawn.end(), &at(rgba_out, "rgba_out"));
     });
 }
@@ -143,8 +145,9 @@ gnomon_status gnomon_view_look(const gnomon_device* device, const gnomon_triangl
     return guarded([&] {
         WorkResults results(event_out, statistics_out);
         gnomon_view*& out = result_at(view_out, "view_out");
-        const Device& on = at(device, "device").device;
-        give_view(on, look(on, at(triangles, "triangles").triangles, camera_at(camera), width, height), out, results);
+        const Device& cpp_device = at(device, "device").device;
+        give_view(cpp_device, look(cpp_device, at(triangles, "triangles").triangles, camera_at(camera), width, height),
+                  out, results);
     });
 }
 
@@ -157,8 +160,8 @@ gnomon_status gnomon_view_points(const gnomon_view* view, const gnomon_points** 
 gnomon_status gnomon_view_read(const gnomon_view* view, const gnomon_triangles* triangles, float* positions_out,
                                float* normals_out, uint32_t* receivers_out) {
     return guarded([&] {
-        const gnomon_view& of = at(view, "view");
-        const ViewOnHost host = of.view.read(of.device, at(triangles, "triangles").triangles);
+        const gnomon_view& c_view = at(view, "view");
+        const ViewOnHost host = c_view.view.read(c_view.device, at(triangles, "triangles").triangles);
         if (positions_out != nullptr) std::copy(host.position.begin(), host.position.end(), positions_out);
         if (normals_out != nullptr) std::copy(host.normal.begin(), host.normal.end(), normals_out);
         if (receivers_out != nullptr) std::copy(host.receiver.begin(), host.receiver.end(), receivers_out);
@@ -178,8 +181,9 @@ gnomon_status gnomon_camera_pass_look(gnomon_camera_pass* pass, const gnomon_tri
     return guarded([&] {
         WorkResults results(event_out, statistics_out);
         gnomon_view*& out = result_at(view_out, "view_out");
-        gnomon_camera_pass& of = at(pass, "pass");
-        give_view(of.device, of.pass.look(at(triangles, "triangles").triangles, camera_at(camera), width, height), out,
+        gnomon_camera_pass& c_camera_pass = at(pass, "pass");
+        give_view(c_camera_pass.device,
+                  c_camera_pass.pass.look(at(triangles, "triangles").triangles, camera_at(camera), width, height), out,
                   results);
     });
 }
@@ -202,16 +206,17 @@ gnomon_status gnomon_technique_run_samples(gnomon_technique* technique, const gn
     return guarded([&] {
         WorkResults results(event_out, statistics_out);
         const gnomon_samples_options& chosen = sized_or(options, "options", GNOMON_SAMPLES_OPTIONS_INIT);
-        Technique& with = technique_at(technique);
-        const Device& on = technique->device;
+        Technique& cpp_technique = technique_at(technique);
+        const Device& cpp_device = technique->device;
         SampleSink forward;
         if (chosen.sink != nullptr)
             forward = [&](const Points& points) {
-                const gnomon_points shown{on, points};
+                const gnomon_points shown{cpp_device, points};
                 if (chosen.sink(&shown, chosen.user_data) != 0) throw Stopped();
             };
-        results.finish(on, run_samples(with, at(triangles, "triangles").triangles, at(view, "view").view,
-                                       light_of(light), chosen.samples, at(mean, "mean").visibility, forward));
+        results.finish(cpp_device,
+                       run_samples(cpp_technique, at(triangles, "triangles").triangles, at(view, "view").view,
+                                   light_of(light), chosen.samples, at(mean, "mean").visibility, forward));
     });
 }
 
@@ -223,15 +228,17 @@ gnomon_status gnomon_host_scene_run(const gnomon_device* device, const gnomon_ho
                                     const gnomon_statistics** statistics_out) {
     return guarded([&] {
         WorkResults results(nullptr, statistics_out);
-        const Device& on = at(device, "device").device;
-        const Points& of = at(points, "points").points;
+        const Device& cpp_device = at(device, "device").device;
+        const Points& cpp_points = at(points, "points").points;
         const gnomon_host_scene_options& chosen = sized_or(options, "options", GNOMON_HOST_SCENE_OPTIONS_INIT);
         const char* name = chosen.technique != nullptr ? chosen.technique : "frustum-traced";
         const auto settings = array(chosen.settings, chosen.setting_count, 1, "settings");
         const HostSceneArgument on_host(scene);
         results.finish(
-            on, run_in_parts([&] { return make_with_settings(on, name, settings); }, on, on_host.get(), of,
-                             array(chosen.ids, chosen.ids == nullptr ? 0 : chosen.id_count, 1, "ids"), light_of(light),
-                             at(visibility, "visibility").visibility, run_options_at(chosen.run, of)));
+            cpp_device,
+            run_in_parts([&] { return make_with_settings(cpp_device, name, settings); }, cpp_device, on_host.get(),
+                         cpp_points, array(chosen.ids, chosen.ids == nullptr ? 0 : chosen.id_count, 1, "ids"),
+                         light_of(light), at(visibility, "visibility").visibility,
+                         run_options_at(chosen.run, cpp_points)));
     });
 }

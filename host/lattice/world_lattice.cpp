@@ -32,7 +32,7 @@ struct Bounds {
     double centre(int c) const { return low[c] / 2 + high[c] / 2; }
 };
 
-// Of the positions that are finite.
+// The bounds of the finite positions.
 Bounds bounds_of(std::span<const double> positions) {
     constexpr double infinity = std::numeric_limits<double>::infinity();
     Bounds b{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};

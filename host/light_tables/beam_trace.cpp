@@ -18,8 +18,8 @@ BeamPasses::BeamPasses(const BvhRun& run, const LightBundles& bundles, BeamShape
       statistics_(statistics),
       masks_(run, bundles, statistics, field != nullptr) {
     if (field != nullptr) horizons_.emplace(run, run.sorted, *field, bundles, statistics);
-    // As many pairs as take some tenths of a second. At the end of each part a GPU waits for the work-groups that have
-    // most to do (Sponza, 2^26 pairs a part: 1.7 G pairs/s in place of 4.2).
+    // A part's pairs take some tenths of a second. At the end of each part a GPU waits for its slowest work-groups: in
+    // Sponza, parts of 2^26 pairs made 1.7 G pairs/s in place of 4.2.
     const std::size_t pairs = session_.is_cpu() ? std::size_t(1) << 24 : std::size_t(1) << 30;
     masks_.reserve(std::min(pairs / bundles.light_count(), most_mask_bytes(session_) / masks_.bytes_per_point()));
 }
@@ -50,7 +50,7 @@ double BeamPasses::timed_ms() {
     return cl::ms_since(start) - (session_.build_ms() - builds_ms);
 }
 
-// The masks of a part of the points.
+// Makes the masks of a part of the points.
 void BeamPasses::decide(const PointPart& part) {
     masks_.face(part);
     const PointsLayout points = run_.sorted.part(part.first, part.count);
@@ -70,7 +70,7 @@ void BeamPasses::launch(const BeamParams& params, std::size_t tasks, const char*
                     masks_.counters(), cl::LocalBytes{BEAM_LOCAL_WORDS * sizeof(cl_uint)});
 }
 
-// On a GPU the tasks that blocks gave up follow.
+// On a GPU a second launch traces the tasks that blocks gave up.
 void BeamPasses::launch(const PointPart& part) {
     const bool is_cpu = session_.is_cpu();
     const std::size_t tasks = masks_.tasks_of(part.count), groups_of_points = is_cpu ? 1 : POINT_GROUPS_ON_GPU;

@@ -7,11 +7,12 @@
 
 namespace gnomon {
 
-/// Which shadow rays are decided together:
-///   block   of 16 points (32 on a GPU) to a bundle, as long as their beam does not meet too much; else they go on as
-///           points, or on a CPU as packets where these take less
-///   point   of each point to a bundle
-///   packet  on a CPU: of four blocks to one light
+/// The shadow rays that are decided together:
+///   block   16 points (32 on a GPU) x up to 32 lights; a block whose beam meets too many triangles continues as
+///   points,
+///           or on a CPU as packets where these take less time
+///   point   1 point x up to 32 lights
+///   packet  on a CPU: 64 points x 1 light
 enum class BeamShape { block, point, packet };
 
 class BeamPasses {
@@ -22,7 +23,7 @@ public:
                const BuiltHeightField* field = nullptr);
 
     void run();
-    /// How long the masks of all points take.
+    /// Makes the masks of all points, and returns the time that they took.
     double timed_ms();
 
 private:

@@ -35,7 +35,7 @@ void LightMasks::reserve(std::size_t points) {
         try {
             const std::size_t listed = session_.is_cpu() ? 0 : tasks_of(points);
             counters_.reserve(session_, sizeof(BeamCounters) + listed * sizeof(cl_uint));
-            // The masks last: what is larger never shrinks.
+            // The masks' buffer is enlarged last, since buffers never shrink.
             if (are_sectors_) {
                 lit_.reserve(session_, points * bytes_per_point());
                 begins_.reserve(session_, points * bytes_per_point());

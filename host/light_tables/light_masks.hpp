@@ -13,35 +13,35 @@
 
 namespace gnomon {
 
-/// A run by the tree over the triangles.
+/// A run that reads the BVH over the triangles.
 struct BvhRun : LightsRun {
     const SortedPoints& sorted;
     const WideBvh& tree;
 
-    /// Of triangles, points and point lights.
+    /// The largest magnitude of a coordinate of triangles, points and point lights.
     float largest_coordinate() const {
         return std::max({tree.largest_coordinate(), sorted.largest_coordinate(), largest_position(lights.lights())});
     }
 };
 
-/// Some of the sorted points.
+/// A part of the sorted points.
 struct PointPart {
     std::size_t first, count;
 };
 
-/// The memory that a part's masks may take.
+/// The largest number of bytes that a part's masks may take.
 std::size_t most_mask_bytes(const cl::Session& session);
 
 class LightMasks {
 public:
-    /// `are_sectors`: there is room for what horizons find (HorizonMasks).
+    /// `are_sectors`: makes room for the results of horizons too (HorizonMasks).
     LightMasks(const BvhRun& run, const LightBundles& bundles, Statistics& statistics, bool are_sectors);
 
-    /// Room for a part of at most so many points, or of less if there is no memory for them.
+    /// Makes room for a part of `points` points, or of fewer if there is no memory for them.
     void reserve(std::size_t points);
     std::size_t most_points() const { return most_points_; }
     std::size_t bytes_per_point() const { return bundle_count_ * sizeof(cl_uint); }
-    /// Blocks of so many points times bundles.
+    /// The number of tasks, blocks x bundles, of a part of `points` points.
     std::size_t tasks_of(std::size_t points) const {
         const std::size_t width = bvh_width(session_);
         return (points + width - 1) / width * bundle_count_;
@@ -49,8 +49,8 @@ public:
 
     /// Writes the masks of the lights that the points face.
     void face(const PointPart& part);
-    /// Launches a trace, which takes params_of(part), then decides what it queued. A trace whose queue was too short is
-    /// launched again: its masks only lose lights.
+    /// Launches a trace, which takes params_of(part), then decides the queued pairs. A trace whose queue was too short
+    /// is launched again: its masks only lose lights.
     template <typename Trace>
     void trace(const PointPart& part, const char* stage, Trace&& launch) {
         cl::StageTimer timer(session_, statistics_, stage);
@@ -65,13 +65,13 @@ public:
         timer.next("beam_exact");
         if (counted.queued != 0) decide_queue(part);
     }
-    /// Adds the masks of all bundles.
+    /// Adds the masks of all bundles to the sums.
     void add_to(LightSums& sums, const PointPart& part);
 
     BeamParams params_of(const PointPart& part) const;
     const cl::Buffer& bundles() const { return bundles_; }
     const cl::Buffer& masks() const { return masks_; }
-    /// Of sectors alone.
+    /// The buffers that horizons read and write; only where bundles are sectors.
     HorizonMasks for_horizons() const {
         return {masks_, lit_, begins_, bundle_count_, static_cast<cl_uint>(most_points_)};
     }
@@ -80,7 +80,7 @@ public:
     std::span<const std::uint32_t> slots() const { return slots_; }
     cl_uint bundle_count() const { return bundle_count_; }
     bool are_positions() const { return are_positions_; }
-    /// Of the run so far.
+    /// Adds the counts of the run so far.
     void describe(decltype(Statistics::counts)& counts) const;
 
 private:

@@ -7,7 +7,7 @@
 namespace gnomon {
 namespace {
 
-// What the tree's methods need and this run has not; null if it has all.
+// The sentence that says why the BVH's methods cannot decide this run; null if they can.
 const char* missing_for_tree(const BvhRun& run) {
     if (!(run.largest_coordinate() <= BVH_MAX_COORDINATE)) return "coordinates up to 2^19";
     if (can_be_bundled(run.lights.lights())) return nullptr;
@@ -55,7 +55,7 @@ MethodCache::Key key_of(const LightsRun& run) {
 Statistics LightTables::run(Technique& one_light, const LightsRun& given, LightsMethod method,
                             std::uint32_t bundle_lights) {
     const bool is_automatic = method == LightsMethod::automatic;
-    std::uint64_t kept = kept_bytes_;  // runs of one light within this one note what they keep
+    std::uint64_t kept = kept_bytes_;  // runs of single lights within this run count their own kept bytes
     MeasuredRun measured(session_, kept);
     const Triangles clustered = is_automatic ? with_clusters(device_, given.triangles) : given.triangles;
     const LightsRun run{device_, clustered, given.points, given.lights, given.outputs, given.options};
@@ -86,7 +86,7 @@ LightsMethod LightTables::automatic_method(TableRun& table, bool can_be_bundled)
     if (wants_height_field(traits)) {
         try {
             find_field(table);
-        } catch (const OutOfDeviceMemory&) {  // other methods take its place
+        } catch (const OutOfDeviceMemory&) {  // another method decides the table
         }
         traits.is_height_field = table.field != nullptr;
     }
@@ -109,15 +109,15 @@ void LightTables::decide(TableRun& table, LightsMethod method, bool is_automatic
     try {
         passes_of(method, table, table.run).run();
     } catch (const OutOfDeviceMemory&) {
-        // Beams take less memory than horizons.
+        // Beams take less memory than horizons, so they decide the table.
         if (method != LightsMethod::horizons || !is_automatic) throw;
         methods_.keep(key_of(table.run), LightsMethod::beams);
         passes_of(LightsMethod::beams, table, table.run).run();
     }
 }
 
-// Kept as long as the caller keeps the clusters of the same triangles: the promise not to write the vertices lasts so
-// long.
+// The BVH is kept as long as the caller keeps the clusters of the same triangles, since the caller promised not to
+// write the vertices for that time.
 template <typename Built>
 const Built& LightTables::kept_of(std::unique_ptr<Built>& kept, const Triangles& triangles) {
     const Clusters* clusters = Internals::clusters(triangles);

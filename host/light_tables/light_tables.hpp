@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Runs over tables of lights through a tree over the triangles, by the method that takes the least time.
+// Runs over tables of lights through a BVH over the triangles, by the method that takes the least time.
 #pragma once
 
 #include "light_tables/method_costs.hpp"
@@ -8,15 +8,15 @@ namespace gnomon {
 
 class LightTables {
 public:
-    /// `kept_bytes`: of the buffers that are kept from run to run, here and by others of the same technique.
+    /// `kept_bytes`: the bytes of all buffers that the technique keeps from run to run; this object adds its own.
     LightTables(const Device& device, std::uint64_t& kept_bytes)
         : device_(device), session_(session_of(device)), kept_bytes_(kept_bytes) {}
 
-    /// Decides a table for points and triangles of which there are some. `method`: not one_by_one. `automatic` takes
-    /// one light at a time where the tree's methods cannot serve; another method then throws InvalidArgument.
-    /// `bundle_lights`: the most lights of a bundle. `one_light`: decides single lights.
+    /// Decides a table of lights; points, triangles and lights must not be empty. `method`: not one_by_one. Where the
+    /// BVH's methods cannot decide the table, `automatic` decides one light at a time, and another method throws
+    /// InvalidArgument. `bundle_lights`: the largest number of lights in a bundle. `one_light`: decides single lights.
     Statistics run(Technique& one_light, const LightsRun& given, LightsMethod method, std::uint32_t bundle_lights);
-    /// Frees what is kept.
+    /// Frees the BVH, the height field and the memory of the sorted points.
     void release();
 
 private:
@@ -32,8 +32,8 @@ private:
     std::uint64_t& kept_bytes_;
     std::unique_ptr<WideBvh> tree_;
     std::unique_ptr<BuiltHeightField> field_;
-    SortedPoints sorted_points_;  ///< of the last run, for their memory
-    MethodCache methods_;         ///< as long as the tree is kept
+    SortedPoints sorted_points_;  ///< the last run's, whose memory the next run uses
+    MethodCache methods_;         ///< valid as long as the BVH is kept
 };
 
 }  // namespace gnomon

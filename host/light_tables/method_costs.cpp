@@ -6,7 +6,7 @@ namespace {
 
 constexpr const LightsTuning& tuning = lights_tuning;
 
-/// The same run over every share-th run of neighbouring points. It writes no outputs.
+/// A run like `run` over every share-th sequence of neighbouring points. It writes no outputs.
 class SampledRun {
 public:
     SampledRun(const BvhRun& whole, std::size_t share)
@@ -29,7 +29,7 @@ std::size_t share_of_cpu_sample(std::size_t points) {
     return std::max<std::size_t>(std::min(share, points / tuning.cpu_min_sample_points), 1);
 }
 
-/// At most `most` bundles of a table.
+/// The first bundles of a table, at most `most` of them.
 LightBundles sampled_bundles(const LightBundles& all, std::size_t most) {
     LightBundles sample;
     sample.are_positions = all.are_positions;
@@ -50,15 +50,15 @@ double measured_on_cpu_ms(LightsMethod method, const TableRun& table) {
            double(table.run.lights.count()) / double(bundles.light_count());
 }
 
-// A sample's longest work-groups take much of its time on a GPU, so what more points take is the difference of two
-// samples. (They differ: a run that is measured has 2^14 points or more.)
+// On a GPU the slowest work-groups take much of a sample's time, so the time of more points is the difference of two
+// samples. (Their sizes differ, since a measured run has 2^14 points or more.)
 double measured_on_gpu_ms(LightsMethod method, const TableRun& table) {
     const std::size_t points = table.run.points.count();
     const std::size_t share = table.run.points.camera() ? tuning.gpu_picture_share : tuning.gpu_points_share;
     const SampledRun small(table.run, share * tuning.gpu_launch_share), large(table.run, share);
     const auto warm_ms = [&](const BvhRun& sample) {
         BeamPasses passes = passes_of(method, table, sample);
-        passes.timed_ms();  // first launches load kernels, and the queue grows
+        passes.timed_ms();  // a first pass, not timed, loads the kernels and enlarges the queue
         return passes.timed_ms();
     };
     const double small_ms = warm_ms(small.run()), large_ms = warm_ms(large.run());
@@ -66,7 +66,7 @@ double measured_on_gpu_ms(LightsMethod method, const TableRun& table) {
            std::max(large_ms - small_ms, 0.0) / double(large.count() - small.count()) * double(points - large.count());
 }
 
-/// The time of the middle light of the table for all points, without builds of kernels.
+/// The time in which the table's middle light is decided for all points, without the time of kernel builds.
 double one_light_ms(const TableRun& table) {
     const LightsRun& run = table.run;
     const cl::Session& session = session_of(run.device);
@@ -81,8 +81,8 @@ double one_light_ms(const TableRun& table) {
     };
     const double first_ms = timed_ms();
     if (session.is_cpu()) return first_ms;
-    // On a GPU the first run takes many times as long as the light itself: it makes room, and its lists grow. The next
-    // ones are short, so that anything may disturb them.
+    // On a GPU the first run takes many times as long as the next ones, since it allocates buffers and enlarges lists.
+    // The next runs are short, so other work on the machine easily disturbs them.
     const double warm_ms = timed_ms();
     return run.lights.count() < tuning.gpu_lights_timed_thrice ? warm_ms : std::min({warm_ms, timed_ms(), timed_ms()});
 }

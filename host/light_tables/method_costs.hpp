@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The passes of each method that decides a table of lights through the tree, and what they take, measured on samples.
+// The passes of each method that decides a table of lights through the BVH, and their times, measured on samples.
 #pragma once
 
 #include "light_tables/beam_trace.hpp"
@@ -7,25 +7,25 @@
 
 namespace gnomon {
 
-/// A run over lights that can be bundled, with what its methods read.
+/// A run over lights that can be bundled, with the inputs of its methods.
 struct TableRun {
     BvhRun run;
-    const Triangles& given;  ///< the triangles with the clusters that the caller keeps, if it does
+    const Triangles& given;  ///< the triangles, with clusters if the caller keeps them
     BundleTables& bundles;
     Technique& one_light;                     ///< decides single lights
     Statistics& statistics;                   ///< receives the stages
-    const BuiltHeightField* field = nullptr;  ///< null: the triangles are none, or it was not searched for
+    const BuiltHeightField* field = nullptr;  ///< null: the triangles are no height field, or no field was searched for
 
     /// The points in the order in which `one_light` takes them; null for the order of the run's points.
     const SortedPoints* order_of_one_light() const { return run.points.camera() ? nullptr : &run.sorted; }
 };
 
-/// The passes of beams, point_beams, rays (on a CPU) or horizons (with a field) for the table's run, or for a sample
-/// of it.
+/// Runs the passes of beams, point_beams, rays (on a CPU) or horizons (with a field) over the table's points, or over a
+/// sample of them.
 BeamPasses passes_of(LightsMethod method, const TableRun& table, const BvhRun& run);
 
-/// What beams, rays, horizons (both on a CPU) or one light after the other would take for the whole run, in ms, as
-/// measured on a sample; infinite if there is not enough memory.
+/// The time in ms that beams, rays, horizons (the latter two on a CPU) or one light after the other would take for the
+/// whole run, estimated from a sample; infinite if there is not enough memory.
 double measured_ms(LightsMethod method, const TableRun& table);
 
 }  // namespace gnomon

@@ -11,7 +11,7 @@ constexpr const LightsTuning& tuning = lights_tuning;
 
 std::size_t pairs_of(const LightsTraits& traits) { return traits.points * traits.lights; }
 
-// Methods that share shadow rays take over where lights can be bundled and there are some.
+// True if the methods that share shadow rays may decide the table.
 bool are_shared(const LightsTraits& traits) {
     return traits.can_be_bundled && traits.lights >= tuning.min_shared_lights;
 }
@@ -24,15 +24,15 @@ bool are_thin(const LightsTraits& traits) {
     return traits.widest_bundle < (traits.are_point_lights ? tuning.thin_box : tuning.thin_cone);
 }
 
-// One light at a time was faster for the points of some pictures, seldom for others, which a GPU measures where the
-// next runs can use the choice.
+// On a GPU one light at a time was the fastest for the points of some pictures, seldom for other points. Other points
+// are measured only where the next runs can use the choice.
 bool may_take_single_lights(const LightsTraits& traits) {
     return pairs_of(traits) >= tuning.min_single_light_pairs &&
            traits.lights < (traits.is_cpu ? tuning.cpu_many_lights : tuning.gpu_many_lights) &&
            (traits.is_picture || (!traits.is_cpu && traits.keeps_clusters));
 }
 
-// The method by rule, or no value where costs decide.
+// The method that a rule chooses, or no value where measured costs decide.
 std::optional<LightsMethod> method_by_rule(const LightsTraits& traits) {
     if (!are_shared(traits)) return LightsMethod::one_by_one;
     if (!are_worth_measuring(traits)) return LightsMethod::beams;
@@ -70,7 +70,7 @@ LightsMethod choose_method(const LightsTraits& traits, const LightsCosts& costs)
     if (const auto method = method_by_rule(traits)) return *method;
     LightsCosts expected = costs;
     if (!traits.is_cpu) expected[LightsMethod::beams] *= tuning.gpu_beams_over_estimate;
-    // Of equal ones the first: beams take the least memory.
+    // Among equal costs the first method wins: beams take the least memory.
     constexpr LightsMethod methods[] = {LightsMethod::beams, LightsMethod::rays, LightsMethod::horizons,
                                         LightsMethod::one_by_one};
     return *std::ranges::min_element(methods, {}, [&](LightsMethod method) { return expected[method]; });

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A run over many lights, one light at a time, as every technique can; and what all such runs share.
+// A run over many lights, one light at a time, as every technique can do it; and the functions that all such runs
+// share.
 #include "lights/many_lights.hpp"
 
 #include <algorithm>
@@ -7,7 +8,7 @@
 
 #include "cl/opencl.hpp"
 #include "query/statistics.hpp"
-#include "receivers/given_sides.hpp"
+#include "receivers/backfacing.hpp"
 
 namespace gnomon {
 namespace {

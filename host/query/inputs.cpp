@@ -369,8 +369,8 @@ Points uploaded_normals(const Device& device, const Points& points, std::span<co
 
 }  // namespace
 
-GivenSides Internals::given_sides(const Device& device, const Points& points, const Facing& facing) {
-    GivenSides sides;
+FacingInputs Internals::facing_inputs(const Device& device, const Points& points, const Facing& facing) {
+    FacingInputs sides;
     switch (facing.kind_) {
         case Facing::Kind::automatic:
             if (points.camera()) sides.eye = points.camera()->camera.eye;
@@ -400,8 +400,9 @@ GivenSides Internals::given_sides(const Device& device, const Points& points, co
     return sides;
 }
 
-GivenSides given_sides(const Device& device, const Triangles& triangles, const Points& points, const Facing& facing) {
-    GivenSides sides = Internals::given_sides(device, points, facing);
+FacingInputs facing_inputs(const Device& device, const Triangles& triangles, const Points& points,
+                           const Facing& facing) {
+    FacingInputs sides = Internals::facing_inputs(device, points, facing);
     if (sides.fans != nullptr) require_fans(triangles, points, *sides.fans, sides.up);
     return sides;
 }
@@ -411,10 +412,10 @@ Points seen_from_eye(const Device& device, const Points& points, const Facing& f
         throw InvalidArgument(
             "explain() and diagnose() take points that face by an eye or by nothing: normals, winding and fans decide "
             "after the technique");
-    return Internals::seen_from(points, Internals::given_sides(device, points, facing).eye);
+    return Internals::seen_from(points, Internals::facing_inputs(device, points, facing).eye);
 }
 
-void require_apart(const Points& points, const GivenSides& sides, const Visibility& visibility) {
+void require_apart(const Points& points, const FacingInputs& sides, const Visibility& visibility) {
     if (sides.normals == nullptr || points.count() == 0) return;
     if (overlap(extent_of(visibility.buffer(), 0, points.count()),
                 extent_of(sides.normals, sides.normals_layout.first, end_of(sides.normals_layout, points.count()))))
@@ -465,10 +466,10 @@ void require_apart(const Triangles& triangles, const Points& points, cl_mem writ
     const std::size_t count = points.count();
     if (count == 0) return;
     const Extent extent = extent_of(written, 0, floats);
-    const PointLayout& at = points.layout();
+    const PointLayout& layout = points.layout();
     const std::size_t first = triangles.first_float();
     const char* what = nullptr;
-    if (overlap(extent, extent_of(points.positions(), at.first, end_of(at, count)))) what = "positions";
+    if (overlap(extent, extent_of(points.positions(), layout.first, end_of(layout, count)))) what = "positions";
     if (points.receivers() != nullptr && overlap(extent, extent_of(points.receivers(), 0, count))) what = "receivers";
     if (triangles.count() != 0 && overlap(extent, extent_of(triangles.buffer(), first, first + 9 * triangles.count())))
         what = "triangles";

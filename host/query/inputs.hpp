@@ -11,7 +11,7 @@ namespace gnomon {
 inline float4 float4_of(const std::array<float, 4>& v) { return {{v[0], v[1], v[2], v[3]}}; }
 
 /// A run's facing as the stages take it: at most one of eye, front, normals and fans is given.
-struct GivenSides {
+struct FacingInputs {
     std::optional<Float3> eye{};
     bool front = false;
     cl_mem normals = nullptr;
@@ -21,13 +21,14 @@ struct GivenSides {
     std::optional<Points> uploaded{};  ///< owns the normals that lay on the host
 };
 /// What `facing` says for these points. Throws InvalidArgument if it does not fit them, or fans not the triangles.
-GivenSides given_sides(const Device& device, const Triangles& triangles, const Points& points, const Facing& facing);
+FacingInputs facing_inputs(const Device& device, const Triangles& triangles, const Points& points,
+                           const Facing& facing);
 /// The points with the eye that `facing` names. Throws InvalidArgument if it decides by anything else.
 Points seen_from_eye(const Device& device, const Points& points, const Facing& facing);
 /// Throws InvalidArgument if the visibility lies in the memory of normals.
-void require_apart(const Points& points, const GivenSides& sides, const Visibility& visibility);
+void require_apart(const Points& points, const FacingInputs& sides, const Visibility& visibility);
 
-/// The buffers of fans (kernels/receivers/given_sides.h), and the number of triangles that they were found among.
+/// The buffers of fans (kernels/receivers/backfacing.h), and the number of triangles that they were found among.
 struct FansOnDevice {
     cl_mem fans, corners, extended;
     std::size_t triangle_count;
@@ -44,7 +45,7 @@ struct Internals {
         return points;
     }
     static const std::optional<Float3>& eye(const Points& points) { return points.eye_; }
-    static GivenSides given_sides(const Device& device, const Points& points, const Facing& facing);
+    static FacingInputs facing_inputs(const Device& device, const Points& points, const Facing& facing);
     static bool is_by_eye(const Facing& facing) { return facing.kind_ <= Facing::Kind::eye; }
     static FansOnDevice on_device(const VertexFans& fans) {
         const auto buffer = [](const std::shared_ptr<void>& memory) { return static_cast<cl_mem>(memory.get()); };

@@ -67,7 +67,7 @@ Ids seen_of(const Device& device, const View& view, const Ids& ids) {
     return seen;
 }
 
-/// Points that no part so far has put into shadow.
+/// The points that no part so far has put into shadow.
 struct OpenPoints {
     std::vector<float> positions;  ///< 3 each
     std::vector<float> normals;    ///< 3 each where these decide facing, else empty
@@ -78,7 +78,7 @@ struct OpenPoints {
 };
 
 OpenPoints all_open(const Device& device, const Points& points, std::span<const std::uint32_t> ids,
-                    const GivenSides& sides) {
+                    const FacingInputs& sides) {
     PointsOnHost host = points.read(device);
     OpenPoints open{std::move(host.position), {}, std::move(host.receiver), Ids(points.count())};
     if (sides.normals != nullptr)
@@ -103,7 +103,7 @@ Triangles uploaded_part(const Device& device, const SceneOnHost& scene, std::siz
 
 /// Visibility of the open points [first, first + count) by one part.
 std::vector<float> visible(const Device& device, Technique& technique, const Part& part, const OpenPoints& open,
-                           std::size_t first, std::size_t count, const GivenSides& sides, const Light& light,
+                           std::size_t first, std::size_t count, const FacingInputs& sides, const Light& light,
                            Statistics& statistics) {
     Ids receivers(open.receivers.begin() + std::ptrdiff_t(first),
                   open.receivers.begin() + std::ptrdiff_t(first + count));
@@ -170,7 +170,7 @@ Statistics run_in_parts(const std::function<std::unique_ptr<Technique>()>& make,
                         const Light& light, const Visibility& visibility, const RunOptions& options) {
     require_whole_triangles(scene.vertices);
     const auto start = cl::Clock::now();
-    const GivenSides sides = Internals::given_sides(device, points, options.facing);
+    const FacingInputs sides = Internals::facing_inputs(device, points, options.facing);
     if (sides.fans != nullptr)
         throw InvalidArgument("fans need all triangles at once: a run in parts has no facing by fans");
     require_run(Triangles(), Internals::seen_from(points, sides.eye), light, visibility);
@@ -186,9 +186,10 @@ Statistics run_in_parts(const std::function<std::unique_ptr<Technique>()>& make,
             const Part part{uploaded_part(device, scene, first, count), first};
             std::vector<float> found;
             while (found.size() < open.count()) {
-                const std::size_t some = std::min(point_part, open.count() - found.size());
-                const auto more = visible(device, *technique, part, open, found.size(), some, sides, light, statistics);
-                found.insert(found.end(), more.begin(), more.end());
+                const std::size_t batch = std::min(point_part, open.count() - found.size());
+                const auto values =
+                    visible(device, *technique, part, open, found.size(), batch, sides, light, statistics);
+                found.insert(found.end(), values.begin(), values.end());
             }
             close_points(open, found, answers);
             first += count;

@@ -25,7 +25,7 @@ struct SettingText {
     std::optional<std::uint32_t> choice_or_auto(std::span<const std::string_view> names) const;
 };
 
-// Each reads a row's text into a field, by the reader of its name. Names must outlive the table.
+// Each function reads a row's text into a field, by the reader of the same name. Names must outlive the table.
 namespace setting {
 
 template <auto Reader, typename S, typename Field, typename... Allowed>

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <unordered_map>
 
-#include "kernels/receivers/given_sides.h"
+#include "kernels/receivers/backfacing.h"
 #include "query/inputs.hpp"
 
 namespace gnomon {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Technique frustum-traced: exact hard shadows. Its roles are objects of their own: one light (trace/frustum_tracer), a
 // prepared light (prepared/prepared_runs), samples (samples/classify_footprints), tables of lights
-// (beams/light_tables).
+// (light_tables/light_tables).
 #include <limits>
 
 #include "light_tables/light_tables.hpp"
@@ -94,7 +94,7 @@ public:
         tracer_.set(settings_);
     }
 
-    /// "decided": the provenance of each point. For any points, not only a camera's.
+    /// "decided": the provenance of each point, whether or not a camera made the points.
     std::vector<std::uint8_t> draw_diagnostic(std::string_view name, const Triangles& triangles, const Points& points,
                                               const Light& light) override {
         if (name != "decided") return Technique::draw_diagnostic(name, triangles, points, light);

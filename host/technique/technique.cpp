@@ -9,7 +9,7 @@
 
 #include "lights/many_lights.hpp"
 #include "query/inputs.hpp"
-#include "receivers/given_sides.hpp"
+#include "receivers/backfacing.hpp"
 #include "technique/registered.hpp"
 
 namespace gnomon {
@@ -57,7 +57,7 @@ void report(const Device& device, const RunOptions& options, double done) {
 
 Statistics Technique::run(const Triangles& triangles, const Points& points, const Light& light,
                           const Visibility& visibility, const RunOptions& options) {
-    const GivenSides sides = given_sides(device(), triangles, points, options.facing);
+    const FacingInputs sides = facing_inputs(device(), triangles, points, options.facing);
     require_apart(points, sides, visibility);
     const Points seen = Internals::seen_from(points, sides.eye);
     Statistics statistics = run_light(triangles, seen, light, visibility);
@@ -69,7 +69,7 @@ Statistics Technique::run(const Triangles& triangles, const Points& points, cons
 std::vector<Statistics> Technique::run_each_light(const Triangles& triangles, const Points& points,
                                                   std::span<const Light> lights,
                                                   std::span<const Visibility> visibilities, const RunOptions& options) {
-    const GivenSides sides = given_sides(device(), triangles, points, options.facing);
+    const FacingInputs sides = facing_inputs(device(), triangles, points, options.facing);
     const Points seen = Internals::seen_from(points, sides.eye);
     require_run_lights(triangles, seen, lights, visibilities);
     for (const Visibility& visibility : visibilities) require_apart(points, sides, visibility);
@@ -79,10 +79,10 @@ std::vector<Statistics> Technique::run_each_light(const Triangles& triangles, co
     });
 }
 
-// The ways of a table that are not one light at a time know the other sides, and no fans.
+// Only one light at a time decides facing by fans; all methods decide it by the other sides.
 Statistics Technique::run_light_table(const Triangles& triangles, const Points& points, const Lights& lights,
                                       const LightsOutputs& outputs, const RunOptions& options) {
-    const LightsOptions chosen{given_sides(device(), triangles, points, options.facing), outputs.cosines,
+    const LightsOptions chosen{facing_inputs(device(), triangles, points, options.facing), outputs.cosines,
                                options.progress};
     const Points seen = Internals::seen_from(points, chosen.eye);
     if (chosen.fans != nullptr) return Technique::run_table(triangles, seen, lights, outputs, chosen);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Contract of beams: the shadow rays from a block of neighbouring points to a bundle of neighbouring lights, decided
-// together. A beam contains all of these rays. A BVH over the triangles finds the occluders that the beam may meet, near
-// boxes first. Each occluder is tested against the bundle's cone for all points of the block at once, and
-// against single lights only if the test with the cone is not certain. Pairs that the float filter leaves undecided are
-// queued for the exact predicate.
+// together. A beam contains all of these rays. A BVH over the triangles finds the occluders that the beam may meet,
+// near boxes first. Each occluder is tested against the bundle's cone for all points of the block at once, and against
+// single lights only if the test with the cone is not certain. Pairs that the float filter leaves undecided are queued
+// for the exact predicate.
 //
 // BVH_WIDTH is both the number of points in a block and the number of children of a BVH node: 16 on a CPU, where the
 // lanes of a work-item are the points or the children, and 32 on a GPU, where the items of a work-group are.

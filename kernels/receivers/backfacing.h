@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Contract of the given sides: a caller that knows on which side of its surface a point lies gives a normal per point,
+// Contract of backfacing: a caller that knows on which side of its surface a point lies gives a normal per point,
 // or declares that the counter-clockwise side of its receiver is the front, or that the point is a vertex of a mesh. A
 // point is then backfacing unless the light is strictly on that side; its visibility becomes 0, in shadow by definition
 // of shading. This pass runs after a technique, of whatever kind, and writes nothing else.
@@ -9,18 +9,18 @@
 
 #include "simd/points.h"
 
-GN_STRUCT_BEGIN(GivenSidesParams)
+GN_STRUCT_BEGIN(BackfacingParams)
     TrianglesLayout triangles;  // of the receivers; not read for normals
     PointsLayout points;
     PointsLayout normals;  // `first` and the strides; not read for receivers
     float light[4];
-GN_STRUCT_END(GivenSidesParams, 128)
+GN_STRUCT_END(BackfacingParams, 128)
 
 // Word 2 i of the fans is the first corner of point i, word 2 i + 1 their number, with this bit if the fan is closed:
 // each edge at the point runs towards it in one triangle and away from it in one other.
 #define FAN_IS_CLOSED 0x80000000u
 
-GN_STRUCT_BEGIN(GivenFansParams)
+GN_STRUCT_BEGIN(BackfacingFansParams)
     TrianglesLayout triangles;
     uint count;  // of points
     uint
@@ -28,4 +28,4 @@ GN_STRUCT_BEGIN(GivenFansParams)
     float up[2 + 1];
     uint padding;
     float light[4];
-GN_STRUCT_END(GivenFansParams, 56)
+GN_STRUCT_END(BackfacingFansParams, 56)

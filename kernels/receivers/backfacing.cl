@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Darkens the points whose given side is turned away from the light (given_sides.h), exactly.
+// Darkens the points whose given side is turned away from the light (backfacing.h), exactly.
 #include "exact/normal_side.clh"
+#include "receivers/backfacing.h"
 #include "receivers/facing.clh"
-#include "receivers/given_sides.h"
 
 // n . D > 0, for certain, where D is the light's direction, or light - P for a point light.
 //
@@ -24,8 +24,8 @@ static bool is_strictly_in_front(float3 n, float3 p, float4 light) {
 }
 
 // A point whose normal has a NaN or infinite coordinate has no side and keeps its visibility.
-__kernel void given_normals(const GivenSidesParams params, __global const float* positions,
-                            __global const float* normals, __global float* visibility) {
+__kernel void darken_by_normals(const BackfacingParams params, __global const float* positions,
+                                __global const float* normals, __global float* visibility) {
     float4 light = (float4)(params.light[0], params.light[1], params.light[2], params.light[3]);
     GN_FOR_EACH(i, params.points.count) {
         float3 p = load_point(positions, params.points, i);
@@ -35,9 +35,9 @@ __kernel void given_normals(const GivenSidesParams params, __global const float*
 }
 
 // A point without a receiver, or on a receiver with a vertex that is not finite, keeps its visibility.
-__kernel void given_winding(const GivenSidesParams params, __global const float* vertices,
-                            __global const float* positions, __global const uint* receivers,
-                            __global float* visibility) {
+__kernel void darken_by_winding(const BackfacingParams params, __global const float* vertices,
+                                __global const float* positions, __global const uint* receivers,
+                                __global float* visibility) {
     float4 light = (float4)(params.light[0], params.light[1], params.light[2], params.light[3]);
     Triangles triangles = triangles_of(vertices, params.triangles);
     GN_FOR_EACH(i, params.points.count) {
@@ -187,8 +187,9 @@ static bool is_behind_fan(Fan fan, bool is_closed, bool* is_extended) {
 }
 
 // A point without a triangle around it keeps its visibility. *extended: the number of points that an extension decided.
-__kernel void given_fans(const GivenFansParams params, __global const float* vertices, __global const uint* fans,
-                         __global const uint* corners, __global float* visibility, __global uint* extended) {
+__kernel void darken_by_fans(const BackfacingFansParams params, __global const float* vertices,
+                             __global const uint* fans, __global const uint* corners, __global float* visibility,
+                             __global uint* extended) {
     Arrow up = {(float3)(params.up[0], params.up[1], params.up[2]), (float3)(0.0f)};
     float3 light = (float3)(params.light[0], params.light[1], params.light[2]);
     Fan fan;

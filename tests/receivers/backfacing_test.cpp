@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Pass given_sides: a point becomes dark unless the light is strictly on the side that the caller gives, by a normal or
+// Pass backfacing: a point becomes dark unless the light is strictly on the side that the caller gives, by a normal or
 // by the winding of its receiver. The judge is integer arithmetic.
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <limits>
 #include <random>
 
-#include "receivers/given_sides.hpp"
+#include "receivers/backfacing.hpp"
 #include "reference/exact.hpp"
 #include "support/device.hpp"
 
@@ -28,7 +28,7 @@ void fill(const gnomon::Device& device, const gnomon::Visibility& visibility, fl
 /// The pass alone, as a run makes it after the technique.
 void darken(const gnomon::Device& device, const gnomon::Triangles& triangles, const gnomon::Points& points,
             const gnomon::Facing& facing, const gnomon::Light& light, const gnomon::Visibility& visibility) {
-    darken_backfacing(device, triangles, points, given_sides(device, triangles, points, facing), light, visibility);
+    darken_backfacing(device, triangles, points, facing_inputs(device, triangles, points, facing), light, visibility);
 }
 
 /// n . D > 0 in integers, where D is the direction towards the light.
@@ -67,7 +67,7 @@ struct Cases {
     std::size_t count() const { return points.size() / 3; }
 };
 
-TEST(GivenSides, NormalsEqualTheIntegers) {
+TEST(Backfacing, NormalsEqualTheIntegers) {
     const gnomon::Device device = device_with();
     for (const gnomon::Light& light :
          {gnomon::Light::directional({-0.5f, -1, 0.25f}), gnomon::Light::point({1.5f, 2.25f, -0.75f}),
@@ -103,7 +103,7 @@ TEST(GivenSides, NormalsEqualTheIntegers) {
     }
 }
 
-TEST(GivenSides, StridesAndOffsetsOfACallersBuffer) {
+TEST(Backfacing, StridesAndOffsetsOfACallersBuffer) {
     const gnomon::Device device = device_with();
     gnomon::cl::Session& session = session_of(device);
     const std::vector<float> positions(6, 0.0f);
@@ -116,7 +116,7 @@ TEST(GivenSides, StridesAndOffsetsOfACallersBuffer) {
     EXPECT_EQ(visibility.read(), (std::vector<float>{1, 0}));
 }
 
-TEST(GivenSides, WindingEqualsTheIntegers) {
+TEST(Backfacing, WindingEqualsTheIntegers) {
     const gnomon::Device device = device_with();
     // A triangle in y = 0 that faces up, the same turned over, one exactly edge-on to the light, one without a plane.
     const std::vector<float> vertices{0, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0,
@@ -134,7 +134,7 @@ TEST(GivenSides, WindingEqualsTheIntegers) {
     }
 }
 
-TEST(GivenSides, RefusesWhatDoesNotFit) {
+TEST(Backfacing, RefusesWhatDoesNotFit) {
     const gnomon::Device device = device_with();
     const gnomon::Points points = gnomon::Points::upload(device, std::vector<float>(6));
     const gnomon::Light light = gnomon::Light::directional({0, -1, 0});

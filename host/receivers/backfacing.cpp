@@ -1,27 +1,27 @@
 // SPDX-License-Identifier: MIT
-#include "receivers/given_sides.hpp"
+#include "receivers/backfacing.hpp"
 
 #include <algorithm>
 
-#include "kernels/receivers/given_sides.h"
+#include "kernels/receivers/backfacing.h"
 
 namespace gnomon {
 namespace {
 
-GivenSidesParams params_of(const PointInputs& points, const Light& light) {
-    GivenSidesParams params{};
+BackfacingParams params_of(const PointInputs& points, const Light& light) {
+    BackfacingParams params{};
     params.points = points.layout;
     std::copy(light.xyzw.begin(), light.xyzw.end(), params.light);
     return params;
 }
 
-void darken_by_normals(cl::Session& session, const Device& device, const Points& points, const GivenSides& sides,
+void darken_by_normals(cl::Session& session, const Device& device, const Points& points, const FacingInputs& sides,
                        const Light& light, const Visibility& visibility) {
     const PointInputs at = point_inputs(points);
-    GivenSidesParams params = params_of(at, light);
+    BackfacingParams params = params_of(at, light);
     params.normals = point_inputs(Points::wrap(device, sides.normals, sides.normals_layout, points.count())).layout;
-    session.launch("receivers/given_sides.cl", "given_normals", cl::Range::items(points.count()), params, at.positions,
-                   sides.normals, visibility.buffer());
+    session.launch("receivers/backfacing.cl", "darken_by_normals", cl::Range::items(points.count()), params,
+                   at.positions, sides.normals, visibility.buffer());
 }
 
 void darken_by_winding(cl::Session& session, const Triangles& triangles, const Points& points, const Light& light,
@@ -29,15 +29,15 @@ void darken_by_winding(cl::Session& session, const Triangles& triangles, const P
     if (points.receivers() == nullptr) return;
     const TriangleInputs inputs = triangle_inputs(triangles);
     const PointInputs at = point_inputs(points);
-    GivenSidesParams params = params_of(at, light);
+    BackfacingParams params = params_of(at, light);
     params.triangles = inputs;
-    session.launch("receivers/given_sides.cl", "given_winding", cl::Range::items(points.count()), params,
+    session.launch("receivers/backfacing.cl", "darken_by_winding", cl::Range::items(points.count()), params,
                    inputs.vertices, at.positions, at.receivers, visibility.buffer());
 }
 
-void darken_by_fans(cl::Session& session, const Triangles& triangles, const GivenSides& sides, const Light& light,
+void darken_by_fans(cl::Session& session, const Triangles& triangles, const FacingInputs& sides, const Light& light,
                     const Visibility& visibility) {
-    GivenFansParams params{};
+    BackfacingFansParams params{};
     const TriangleInputs inputs = triangle_inputs(triangles);
     params.triangles = inputs;
     params.count = static_cast<cl_uint>(sides.fans->count());
@@ -46,14 +46,14 @@ void darken_by_fans(cl::Session& session, const Triangles& triangles, const Give
     std::copy(light.xyzw.begin(), light.xyzw.end(), params.light);
     const FansOnDevice fans = Internals::on_device(*sides.fans);
     session.fill(fans.extended, 0, sizeof(std::uint32_t));
-    session.launch("receivers/given_sides.cl", "given_fans", cl::Range::items(sides.fans->count()), params,
+    session.launch("receivers/backfacing.cl", "darken_by_fans", cl::Range::items(sides.fans->count()), params,
                    inputs.vertices, fans.fans, fans.corners, visibility.buffer(), fans.extended);
 }
 
 }  // namespace
 
-void darken_backfacing(const Device& device, const Triangles& triangles, const Points& points, const GivenSides& sides,
-                       const Light& light, const Visibility& visibility) {
+void darken_backfacing(const Device& device, const Triangles& triangles, const Points& points,
+                       const FacingInputs& sides, const Light& light, const Visibility& visibility) {
     if (points.count() == 0) return;
     cl::Session& session = session_of(device);
     if (sides.normals != nullptr) darken_by_normals(session, device, points, sides, light, visibility);
