@@ -3,7 +3,6 @@
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
-#include <fmt/core.h>
 
 #include <algorithm>
 #include <memory>
@@ -46,8 +45,8 @@ public:
             throw Error(input_->geterror());
         if (spec.width < 1 || spec.height < 1 || spec.width > largest_side || spec.height > largest_side ||
             std::uint64_t(spec.width) * std::uint64_t(spec.height) > most_texels)
-            throw Error(
-                fmt::format("its {}x{} texels are more than 2^28, or than 32768 on a side", spec.width, spec.height));
+            throw Error("its " + std::to_string(spec.width) + "x" + std::to_string(spec.height) +
+                        " texels are more than 2^28, or than 32768 on a side");
     }
     std::size_t texels() const { return std::size_t(spec.width) * std::size_t(spec.height); }
     /// Channels [first, end), 8 bits each; 16 bits are rounded once.
@@ -87,8 +86,8 @@ AlphaImage read_alpha(std::span<const unsigned char> bytes) {
 RgbaImage read_colors(std::span<const unsigned char> bytes, std::uint64_t most_bytes) {
     OpenImage image(bytes);
     if (std::uint64_t(4) * image.texels() > most_bytes)
-        throw Error(fmt::format("its {}x{} texels do not fit into the memory that the scene may take", image.spec.width,
-                                image.spec.height));
+        throw Error("its " + std::to_string(image.spec.width) + "x" + std::to_string(image.spec.height) +
+                    " texels do not fit into the memory that the scene may take");
     const int count = image.spec.nchannels, alpha = image.spec.alpha_channel;
     const int colors = alpha == 1 || count < 3 ? 1 : 3;  // grey, or red, green and blue
     const std::vector<std::uint8_t> from = image.channels(0, count);
