@@ -3,6 +3,7 @@
 # Embree 3 (Debian's libembree-dev) it measures that beside gnomon.
 find_package(nlohmann_json REQUIRED)
 find_package(CLI11 REQUIRED)
+find_package(fmt CONFIG REQUIRED)
 find_package(Threads REQUIRED)
 find_package(embree 3 QUIET)
 find_path(GNOMON_STB_INCLUDE stb_image.h PATH_SUFFIXES stb REQUIRED)
@@ -37,7 +38,7 @@ add_dependencies(gnomon_bench_parts gnomon_bench_commit)
 target_include_directories(gnomon_bench_parts PUBLIC ${CMAKE_CURRENT_LIST_DIR}
                                               PRIVATE ${bench_generated} ${GNOMON_STB_INCLUDE})
 target_link_libraries(gnomon_bench_parts
-  PUBLIC gnomon_scene gnomon_measure gnomon_inside nlohmann_json::nlohmann_json
+  PUBLIC fmt::fmt gnomon_scene gnomon_measure gnomon_inside nlohmann_json::nlohmann_json
   PRIVATE gnomon_build_flags gnomon_scene_recipes gnomon_reference Threads::Threads ${GNOMON_STB_LIBRARY}
           $<$<BOOL:${embree_FOUND}>:embree>)
 

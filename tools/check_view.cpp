@@ -5,6 +5,7 @@
 // from the points of `--dump-points`. Shares no code with gnomon. Exit status: 0 nothing wrong, 1 something is, 2 it
 // could not be judged.
 #include <OpenImageIO/imageio.h>
+#include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -90,15 +91,15 @@ reference::Masks read_masks(const std::string& path, std::size_t triangle_count)
     Words words(path);
     const auto counts = words.take<std::uint32_t>(3);
     if (counts[2] != triangle_count)
-        throw std::runtime_error(path + " has masks for " + std::to_string(counts[2]) + " triangles, not for " +
-                                 std::to_string(triangle_count));
+        throw std::runtime_error(
+            fmt::format("{} has masks for {} triangles, not for {}", path, counts[2], triangle_count));
     reference::Masks masks;
     for (std::uint32_t i = 0; i < counts[0]; ++i) {
         const auto whole = words.take<std::int32_t>(4);
         const auto real = words.take<float>(2);
         const bool is_known = whole[0] >= -1 && whole[0] < std::int64_t(counts[1]) && whole[1] >= 0 && whole[1] <= 2 &&
                               whole[2] >= 0 && whole[2] <= 2;
-        if (!is_known) throw std::runtime_error(path + ": material " + std::to_string(i) + " is none");
+        if (!is_known) throw std::runtime_error(fmt::format("{}: material {} is none", path, i));
         masks.materials.push_back(
             {whole[0], reference::MaskWrap(whole[1]), reference::MaskWrap(whole[2]), whole[3] != 0, real[0], real[1]});
     }

@@ -28,6 +28,7 @@ packages=(
     ocl-icd-libopencl1 ocl-icd-opencl-dev opencl-c-headers opencl-clhpp-headers  # OpenCL's loader and headers
     libtinygltf-dev libtinygltf2d libstb0 libstb-dev nlohmann-json3-dev libcli11-dev  # scene loader and tools
     libglm-dev libmeshoptimizer-dev libmeshoptimizer2d                           # the scene loader's poses, packed scenes
+    libfmt-dev libfmt9                                                           # its sentences
     libgtest-dev libboost1.74-dev libgmp-dev libgmp10 libgmpxx4ldbl              # tests and references
 )
 # The whole tree that travels must stay under 64 MiB.

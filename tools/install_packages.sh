@@ -10,11 +10,12 @@ run_packages=(
     ocl-icd-opencl-dev             # OpenCL headers and loader: all that the core library needs
     pocl-opencl-icd                # an OpenCL device for every CPU; a GPU's driver brings its own
     libtinygltf-dev libglm-dev nlohmann-json3-dev libcli11-dev  # the command: scenes, statistics, options
+    libfmt-dev                     # the command: sentences
     libmeshoptimizer-dev           # the command: packed scenes, as scenes/sponza.glb is
     libdraco-dev                   # optional: meshes that Draco compressed
-    libstb-dev                     # the command: the numbers of a legend; tests: PNG files
+    libstb-dev zlib1g-dev          # the command, tools and tests: PNG files
     liberfa-dev                    # optional: the sun's positions for gnomon hours
-    libpng-dev libopenimageio-dev  # the command: pictures; EXR files and galleries
+    libopenimageio-dev             # the command: EXR files, and images of scenes
     openimageio-tools              # OpenImageIO's CMake files refuse to be found without its tools
 )
 test_packages=(

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // make_scenes: writes the scenes that tests, benchmark and README share, as glTF 2.0 binary files. The same name, size
 // and seed give the same bytes on every machine.
+#include <fmt/core.h>
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
@@ -25,8 +26,8 @@ void print_list() {
     for (const Recipe& recipe : recipes()) {
         std::string size = "fixed size";
         if (recipe.default_triangles > 0) {
-            size = std::to_string(recipe.default_triangles) + " triangles, --triangles " +
-                   std::to_string(recipe.fewest_triangles) + " to " + std::to_string(recipe.most_triangles);
+            size = fmt::format("{} triangles, --triangles {} to {}", recipe.default_triangles, recipe.fewest_triangles,
+                               recipe.most_triangles);
         }
         std::printf("%-26s %.*s (%s)\n", std::string(recipe.name).c_str(), static_cast<int>(recipe.idea.size()),
                     recipe.idea.data(), size.c_str());
@@ -51,8 +52,8 @@ Request request_for(const Recipe& recipe, const Arguments& arguments) {
     }
     const std::int64_t wanted = *arguments.triangles;
     if (wanted < recipe.fewest_triangles || wanted > recipe.most_triangles) {
-        throw MakeError("--triangles " + std::to_string(wanted) + " is out of range; the scene '" + name + "' takes " +
-                        std::to_string(recipe.fewest_triangles) + " to " + std::to_string(recipe.most_triangles));
+        throw MakeError(fmt::format("--triangles {} is out of range; the scene '{}' takes {} to {}", wanted, name,
+                                    recipe.fewest_triangles, recipe.most_triangles));
     }
     request.triangles = static_cast<std::uint64_t>(wanted);
     return request;

@@ -2,6 +2,7 @@
 // pack_scene: packs the geometry of a .glb file with EXT_meshopt_compression and loses nothing. Attributes are packed
 // in the mode ATTRIBUTES without a filter, indices in the mode INDICES: unlike TRIANGLES, it keeps the order of the
 // triangles and of their corners. The rest of the JSON stays as it is, but for asset.copyright.
+#include <fmt/core.h>
 #include <meshoptimizer.h>
 
 #include <CLI/CLI.hpp>
@@ -89,7 +90,7 @@ void write_glb(const Glb& glb, const std::string& file) {
 const Json& accessor_of(const Json& root, std::size_t view) {
     for (const Json& accessor : root.at("accessors"))
         if (accessor.at("bufferView") == view) return accessor;
-    throw PackError("no accessor reads bufferViews[" + std::to_string(view) + "]");
+    throw PackError(fmt::format("no accessor reads bufferViews[{}]", view));
 }
 
 std::size_t components_of(const Json& accessor) {
@@ -120,8 +121,8 @@ void pack_view(Glb& glb, std::size_t index, std::string& streams) {
     const Json& accessor = accessor_of(glb.json, index);
     const bool has_indices = view.value("target", 0) == index_target;
     if (accessor.at("componentType") != (has_indices ? uint32 : float32) || view.contains("byteStride"))
-        throw PackError("bufferViews[" + std::to_string(index) +
-                        "] holds neither indices of 32 bits nor one attribute of float32");
+        throw PackError(
+            fmt::format("bufferViews[{}] holds neither indices of 32 bits nor one attribute of float32", index));
     const std::string bytes = part(glb.binary, view.value("byteOffset", std::size_t(0)), view.at("byteLength"));
     const std::size_t stride = sizeof(float) * components_of(accessor), count = bytes.size() / stride;
     const std::string stream = has_indices ? index_stream(bytes) : attribute_stream(bytes, count, stride);

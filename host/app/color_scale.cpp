@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <fmt/core.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -106,7 +107,7 @@ void draw_legend(const ColorScale& scale, std::uint32_t width, std::uint32_t hei
                     scale.color(scale.least + (scale.most - scale.least) * (x + 0.5) / bar_width));
     const double step = tick_step(scale.most - scale.least);
     for (double at = 0; step > 0 && at <= (scale.most - scale.least) * 1.0001; at += step) {
-        const std::string number = formatted("%.4g", scale.least + at);
+        const std::string number = fmt::format("{:.4g}", scale.least + at);
         const double middle = at / (scale.most - scale.least) * bar_width;
         canvas.text(bar + std::min(middle, bar_width - text_width(number)), bar_top + bar_height + 2, number);
         canvas.fill(bar + middle, bar_top + bar_height - 2, bar + middle + 1, bar_top + bar_height, ink);

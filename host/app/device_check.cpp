@@ -2,6 +2,7 @@
 // `gnomon devices --check`: one page of text that tells whether a device computes right, and how fast it is.
 #include "options.hpp"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <chrono>
 #include <sstream>
@@ -32,7 +33,7 @@ struct Findings {
 
     void add(const std::string& what, std::uint64_t count, bool is_right) {
         text << "  " << what << std::string(what.size() < 48 ? 48 - what.size() : 1, ' ')
-             << formatted("%11s points  ", grouped(count).c_str()) << (is_right ? "right" : "WRONG") << '\n';
+             << fmt::format("{:>11} points  ", grouped(count)) << (is_right ? "right" : "WRONG") << '\n';
         points += count;
         wrong += is_right ? 0 : 1;
     }
@@ -108,8 +109,9 @@ std::string speed_of(const Device& device, const scene::Scene& scene) {
     const double animated_ms = median_ms(device, run);
     technique->prepare(triangles, light);
     const double prepared_ms = median_ms(device, run);
-    return formatted("  %ux%u pixels, %s triangles: camera %.2f ms, shadows %.2f ms, with a prepared light %.2f ms\n",
-                     width, height, grouped(scene.triangle_count()).c_str(), look_ms, animated_ms, prepared_ms);
+    return fmt::format(
+        "  {}x{} pixels, {} triangles: camera {:.2f} ms, shadows {:.2f} ms, with a prepared light {:.2f} ms\n", width,
+        height, grouped(scene.triangle_count()), look_ms, animated_ms, prepared_ms);
 }
 
 }  // namespace
@@ -132,14 +134,14 @@ void check_device(const ListDevices& options) {
         page << "answers known bit for bit\n" << findings.text.str() << "\nspeed\n" << speed_of(device, scene);
     }
     const KernelBuilds builds = device.kernel_builds();
-    page << formatted("  kernels %.1f s for %d programs, %d of them from gnomon's cache; all of this %.1f s\n\n",
-                      builds.ms / 1000, int(builds.programs), int(builds.from_cache), ms_since(start) / 1000);
+    page << fmt::format("  kernels {:.1f} s for {} programs, {} of them from gnomon's cache; all of this {:.1f} s\n\n",
+                        builds.ms / 1000, int(builds.programs), int(builds.from_cache), ms_since(start) / 1000);
     if (findings.wrong == 0)
         page << "RIGHT: " << grouped(findings.points) << " answers, none wrong. If docs/drivers.md does not name this "
              << "driver, please send this page.\n";
     print_result(page.str());
     if (findings.wrong != 0)
-        throw Error(formatted("%d of the answers of the device ", findings.wrong) + description.name +
+        throw Error(fmt::format("{} of the answers of the device ", findings.wrong) + description.name +
                     " are wrong: do not use it, and please send this page");
 }
 

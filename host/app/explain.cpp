@@ -2,6 +2,7 @@
 // One point's explanation as text: the same run as render's with the exact technique, on the same points.
 #include "options.hpp"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -23,8 +24,8 @@ struct Explained {
 
 Points given_point(const ExplainOptions& options, const Device& device, std::size_t triangle_count) {
     if (options.receiver && *options.receiver >= triangle_count)
-        throw Error(formatted("--receiver %u is no triangle: the scene has %zu, counted from 0", *options.receiver,
-                              triangle_count));
+        throw Error(fmt::format("--receiver {} is no triangle: the scene has {}, counted from 0", *options.receiver,
+                                triangle_count));
     const std::array receiver{options.receiver.value_or(no_receiver)};
     return Points::upload(device, *options.point, receiver);
 }
@@ -61,8 +62,8 @@ Explained explain_in(const ExplainOptions& options, const Device& device, const 
     const ChosenCamera camera = choose_camera(options, scene);
     const View view = look(device, triangles, camera.camera, width, height);
     const std::size_t pixel = std::size_t(y) * width + x;
-    explained.where = formatted("pixel %u,%u of %ux%u (%s)", x, y, width, height, camera.source.c_str());
-    if (options.samples > 1) explained.where += formatted(", sample %u of %u", options.sample, options.samples);
+    explained.where = fmt::format("pixel {},{} of {}x{} ({})", x, y, width, height, camera.source);
+    if (options.samples > 1) explained.where += fmt::format(", sample {} of {}", options.sample, options.samples);
     explained.explanation = options.samples > 1 ? explain_sample(options, device, triangles, view, light, pixel)
                                                 : gnomon::explain(device, triangles, view.points, pixel, light);
     return explained;
@@ -76,7 +77,7 @@ char sign(int of) { return of > 0 ? '+' : of < 0 ? '-' : '0'; }
 
 std::string vertices_text(const TriangleSigns& t) {
     const auto vertex = [&](std::size_t i) {
-        return formatted("(%s)", float3_text({t.vertices[i], t.vertices[i + 1], t.vertices[i + 2]}).c_str());
+        return fmt::format("({})", float3_text({t.vertices[i], t.vertices[i + 1], t.vertices[i + 2]}));
     };
     return vertex(0) + " " + vertex(3) + " " + vertex(6);
 }
@@ -98,8 +99,8 @@ void add_triangles(std::ostream& out, const std::string& heading, const std::vec
     for (std::size_t i = 0; i < std::min(list.size(), most_printed); ++i) {
         const TriangleSigns& t = list[i];
         out << "  triangle " << t.triangle << "  " << vertices_text(t)
-            << formatted("\n    signs: point's side %c, light's side %c, edges ab %c bc %c ca %c; certain in ",
-                         sign(t.point_side), sign(t.light_side), sign(t.edges[0]), sign(t.edges[1]), sign(t.edges[2]))
+            << fmt::format("\n    signs: point's side {}, light's side {}, edges ab {} bc {} ca {}; certain in ",
+                           sign(t.point_side), sign(t.light_side), sign(t.edges[0]), sign(t.edges[1]), sign(t.edges[2]))
             << t.arithmetic;
         if (t.blocks || t.is_clear) out << "; " << float_text(float(t.distance)) << " from the point";
         out << '\n';
@@ -112,7 +113,7 @@ std::string text_of(const Explained& explained) {
     std::ostringstream out;
     const auto& [x, y, z] = e.position;
     out << explained.where << "\npoint     " << float3_text(e.position)
-        << formatted("\n          %a,%a,%a\n", double(x), double(y), double(z));
+        << fmt::format("\n          {:a},{:a},{:a}\n", double(x), double(y), double(z));
     if (e.receiver == no_receiver) {
         out << "receiver  none\n";
     } else {

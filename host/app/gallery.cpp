@@ -2,6 +2,7 @@
 // The outline of `gnomon gallery`: gallery(), at the end, reads top to bottom.
 #include "options.hpp"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -42,7 +43,9 @@ Chosen parse_technique(const std::string& text) {
     Chosen chosen{described(text.substr(0, colon)), {}};
     for (std::size_t at = colon; at != std::string::npos;) {
         const std::size_t comma = text.find(',', at + 1);
-        chosen.settings.push_back(parse_setting("--technique", text.substr(at + 1, comma - at - 1)));
+        const auto read = setting().read(text.substr(at + 1, comma - at - 1));
+        if (!read) throw UsageError("--technique needs " + setting().needs + " behind the colon, not \"" + text + "\"");
+        chosen.settings.push_back(*read);
         at = comma;
     }
     return chosen;
@@ -169,9 +172,9 @@ ordered_json page_json(const GalleryOptions& options, const Device& device, cons
         {"facts", ordered_json::array({{"scene", name + ", " + grouped(scene.triangle_count()) + " triangles"},
                                        {"camera", camera.source},
                                        {"light", light_option(light) + " (" + light.source + ")" + disk},
-                                       {"picture", std::to_string(width) + " x " + std::to_string(height)},
+                                       {"picture", fmt::format("{} x {}", width, height)},
                                        {"device", d.name + " (" + d.platform + ", " + d.driver_version + ")"},
-                                       {"timed runs", std::to_string(options.runs) + " of each, after one to warm up"},
+                                       {"timed runs", fmt::format("{} of each, after one to warm up", options.runs)},
                                        {"made by", "gnomon " + std::string(version())}})}};
 }
 
@@ -192,7 +195,6 @@ void gallery(const GalleryOptions& options) {
     OutputFiles files;
     if (options.scene) files.protect(*options.scene);
     OutputFile& file = files.open(options.page);
-    require_openimageio();
     const Device device = open_device(options, false);
     // A wrong setting is refused before the long work.
     for (const Chosen& one : all) make_technique(device, one.technique.name, one.settings);
@@ -215,8 +217,8 @@ void gallery(const GalleryOptions& options) {
     file.write_all(html.data(), html.size());
     files.commit();
     if (!options.quiet)
-        print_result("wrote " + options.page.string() + ": " + std::to_string(page["exhibits"].size()) +
-                     " techniques, " + bytes_for_people(html.size()) + "\n");
+        print_result(fmt::format("wrote {}: {} techniques, {}\n", options.page.string(), page["exhibits"].size(),
+                                 bytes_for_people(html.size())));
 }
 
 }  // namespace gnomon::app

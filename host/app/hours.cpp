@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // gnomon hours: how many hours, or how much of any weight, of a table of suns reaches each pixel or point.
+#include <fmt/core.h>
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -51,7 +52,7 @@ SunTable suns_of(const HoursOptions& options) {
 /// Float64 values as NumPy's .npy (version 1.0).
 void write_npy(OutputFile& file, std::span<const double> values) {
     static_assert(std::endian::native == std::endian::little);
-    std::string header = formatted("{'descr': '<f8', 'fortran_order': False, 'shape': (%zu,), }", values.size());
+    std::string header = fmt::format("{{'descr': '<f8', 'fortran_order': False, 'shape': ({},), }}", values.size());
     constexpr std::size_t preamble = 10, aligned = 64;
     header.resize((preamble + header.size() + 1 + aligned - 1) / aligned * aligned - preamble - 1, ' ');
     header += '\n';
@@ -66,7 +67,7 @@ void write_csv(OutputFile& file, std::span<const float> positions, std::span<con
     std::string text = "x,y,z,value\n";
     for (std::size_t i = 0; i < values.size(); ++i)
         text += float3_text({positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]}) +
-                formatted(",%.17g\n", values[i]);
+                fmt::format(",{:.17g}\n", values[i]);
     file.write_all(text.data(), text.size());
 }
 
@@ -99,14 +100,14 @@ std::string summary(const HoursOptions& options, const SunTable& table, const Co
         if (!std::isnan(value)) ++count, sum += value;
     double all = 0;
     for (const Sun& sun : table.suns) all += double(sun.weight);
-    std::string text = grouped(table.suns.size()) + " suns, " + formatted("%.6g ", all) + options.unit;
+    std::string text = fmt::format("{} suns, {:.6g} {}", grouped(table.suns.size()), all, options.unit);
     if (table.below_horizon != 0) text += "; " + grouped(table.below_horizon) + " below the horizon left out";
     if (options.place)
         text += std::string("; positions by ERFA, elevations ") +
                 (options.place->is_apparent ? "with refraction (Saemundsson, 1010 hPa, 10 C)" : "without refraction");
-    text += formatted("\n%s points: on average %.6g ", grouped(count).c_str(), count != 0 ? sum / double(count) : 0);
-    text += options.unit + formatted(", at most %.6g", largest_of(computed.values));
-    return text + "; " + formatted("%.0f ms", computed.statistics.total_wall_ms) + "\n";
+    return text + fmt::format("\n{} points: on average {:.6g} {}, at most {:.6g}; {:.0f} ms\n", grouped(count),
+                              count != 0 ? sum / double(count) : 0, options.unit, largest_of(computed.values),
+                              computed.statistics.total_wall_ms);
 }
 
 /// The outputs of a run. All are opened before the long work.

@@ -2,6 +2,7 @@
 // The lists of devices and techniques, laid out for a terminal.
 #include "options.hpp"
 
+#include <fmt/core.h>
 #include <iomanip>
 #include <sstream>
 
@@ -23,8 +24,7 @@ std::string settings_text(const TechniqueDescription& technique) {
 }
 
 std::string line_of(const TechniqueDescription& technique) {
-    return formatted("%-20s%-10s", technique.name.c_str(), technique.exact ? "exact" : "not exact") +
-           technique.summary + '\n';
+    return fmt::format("{:<20}{:<10}{}\n", technique.name, technique.exact ? "exact" : "not exact", technique.summary);
 }
 
 }  // namespace

@@ -5,7 +5,6 @@
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
-#include <OpenImageIO/strutil.h>
 
 #include <algorithm>
 #include <bit>
@@ -70,23 +69,6 @@ void put_aov_pixel(const ViewOnHost& view, std::span<const float> values, const 
     if (!surfaces.irradiance.empty()) put(surfaces.irradiance[pixel]);
 }
 
-std::string data_uri(const std::string& format, std::uint32_t width, std::uint32_t height,
-                     std::span<const std::uint8_t> pixels, std::ptrdiff_t pixel_bytes) {
-    std::vector<unsigned char> bytes;
-    OIIO::Filesystem::IOVecOutput memory(bytes);
-    const auto output = OIIO::ImageOutput::create(format);
-    OIIO::ImageSpec spec(int(width), int(height), 3, OIIO::TypeUInt8);
-    spec.attribute("oiio:ColorSpace", "sRGB");
-    spec.attribute("CompressionQuality", 90);
-    if (!output || !output->supports("ioproxy") || !output->set_ioproxy(&memory) ||
-        !output->open("picture." + format, spec) || !output->write_image(OIIO::TypeUInt8, pixels.data(), pixel_bytes) ||
-        !output->close())
-        throw Error("this OpenImageIO cannot write " + format + " into a page" +
-                    (output ? ": " + output->geterror() : ""));
-    const OIIO::string_view view(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-    return "data:image/" + format + ";base64," + OIIO::Strutil::base64_encode(view);
-}
-
 void write_aov(ByteSink& file, const std::string& name, const std::string& software, std::uint32_t width,
                std::uint32_t height, const ViewOnHost& view, std::span<const float> values, const char* channel,
                const AovSurfaces& surfaces) {
@@ -118,5 +100,5 @@ void write_aov(ByteSink& file, const std::string& name, const std::string& softw
 }  // namespace
 }  // namespace gnomon::app
 
-extern "C" const gnomon::app::OpenImageIo gnomon_openimageio{gnomon::app::write_aov, gnomon::app::data_uri,
-                                                             gnomon::app::read_alpha, gnomon::app::read_colors};
+extern "C" const gnomon::app::OpenImageIo gnomon_openimageio{gnomon::app::write_aov, gnomon::app::read_alpha,
+                                                             gnomon::app::read_colors};

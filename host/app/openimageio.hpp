@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The command's module gnomon_openimageio: EXR files, pictures inside a page, and images of scenes. OpenImageIO comes
+// The command's module gnomon_openimageio: EXR files, and images of scenes. OpenImageIO comes
 // with some 250 libraries. Loading them takes longer than making a picture, so only runs that need them open the
 // module.
 #pragma once
@@ -28,9 +28,6 @@ struct OpenImageIo {
     void (*write_aov)(ByteSink& file, const std::string& name, const std::string& software, std::uint32_t width,
                       std::uint32_t height, const ViewOnHost& view, std::span<const float> values, const char* channel,
                       const AovSurfaces& surfaces);
-    /// The first three channels as "data:image/FORMAT;base64,...". `pixel_bytes`: from one pixel to the next.
-    std::string (*data_uri)(const std::string& format, std::uint32_t width, std::uint32_t height,
-                            std::span<const std::uint8_t> pixels, std::ptrdiff_t pixel_bytes);
     /// decoded_image.hpp
     AlphaImage (*read_alpha)(std::span<const unsigned char> bytes);
     RgbaImage (*read_colors)(std::span<const unsigned char> bytes, std::uint64_t most_bytes);

@@ -4,6 +4,7 @@
 #include "output_files.hpp"
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <signal.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -73,7 +74,7 @@ fs::path folder_of(const fs::path& target, const fs::path& resolved) {
 /// one.
 int make_temporary(const fs::path& folder, fs::path& temporary, int& slot) {
     for (int attempt = 0;; ++attempt) {
-        temporary = folder / (".gnomon-" + std::to_string(::getpid()) + "-" + std::to_string(attempt) + ".partial");
+        temporary = folder / fmt::format(".gnomon-{}-{}.partial", ::getpid(), attempt);
         slot = take_interrupt_slot(temporary);
         const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
         if (descriptor >= 0) return descriptor;

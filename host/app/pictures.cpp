@@ -1,83 +1,78 @@
 // SPDX-License-Identifier: MIT
-// PNG writing row by row, so that a picture of 16384 x 16384 needs no second copy in memory.
+// PNG and JPEG files by stb_image_write; its deflate is zlib's.
 #include "pictures.hpp"
 
 #include <dlfcn.h>
-#include <png.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
-#include <functional>
+#include <new>
 #include <string>
 #include <vector>
 
 #include "openimageio.hpp"
 
+namespace {
+
+/// stb's own deflate makes pictures a third larger, and masks twice as large. stb frees the result.
+unsigned char* deflated(unsigned char* bytes, int count, int* deflated_count, int) {
+    uLongf size = compressBound(uLong(count));
+    auto* const result = static_cast<unsigned char*>(std::malloc(size));
+    if (result == nullptr || compress2(result, &size, bytes, uLong(count), Z_DEFAULT_COMPRESSION) != Z_OK) {
+        std::free(result);
+        return nullptr;
+    }
+    *deflated_count = int(size);
+    return result;
+}
+
+}  // namespace
+
+#define STBIW_ZLIB_COMPRESS deflated
+#define STBI_WRITE_NO_STDIO
+#define STB_IMAGE_WRITE_STATIC
+#define STB_IMAGE_WRITE_IMPLEMENTATION
+#include <stb/stb_image_write.h>
+
 namespace gnomon::app {
 namespace {
 
-std::string software() { return "gnomon " + std::string(version()); }
-
-/// The parameters of a PNG.
-struct PngRows {
-    std::uint32_t width, height;
-    bool is_mask;  ///< one channel of numbers; else sRGB from four bytes per pixel, the fourth is left out
-    std::function<const std::uint8_t*(std::uint32_t)> row;
-};
-
-// The callbacks keep failures in the file.
-void put_bytes(png_structp png, png_bytep bytes, png_size_t count) {
-    static_cast<OutputFile*>(png_get_io_ptr(png))->write(bytes, count);
+/// Whether stb wrote the pixels. It keeps the file in memory, so a failure is one of memory.
+void require_memory(int is_written) {
+    if (is_written == 0) throw std::bad_alloc();
 }
-void flush_nothing(png_structp) {}
 
-[[noreturn]] void keep_reason(png_structp png, png_const_charp reason) {
-    *static_cast<std::string*>(png_get_error_ptr(png)) = reason;
-    png_longjmp(png, 1);
+void write_png(OutputFile& file, std::uint32_t width, std::uint32_t height, int channels,
+               const std::vector<std::uint8_t>& pixels) {
+    const auto write = [](void* to, void* bytes, int count) {
+        static_cast<OutputFile*>(to)->write(bytes, std::size_t(count));
+    };
+    require_memory(stbi_write_png_to_func(write, &file, int(width), int(height), channels, pixels.data(), 0));
+    file.check();
 }
-void ignore_warning(png_structp, png_const_charp) {}
 
-void put_rows(png_structp png, png_infop info, const PngRows& rows, const OutputFile& file, char* made_by) {
-    constexpr std::uint32_t rows_between_checks = 64;
-    char keyword[] = "Software";
-    png_text text{};
-    text.compression = PNG_TEXT_COMPRESSION_NONE;
-    text.key = keyword;
-    text.text = made_by;
-    png_set_IHDR(png, info, rows.width, rows.height, 8, rows.is_mask ? PNG_COLOR_TYPE_GRAY : PNG_COLOR_TYPE_RGB,
-                 PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-    if (!rows.is_mask) png_set_sRGB_gAMA_and_cHRM(png, info, PNG_sRGB_INTENT_ABSOLUTE);
-    png_set_text(png, info, &text, 1);
-    png_write_info(png, info);
-    if (!rows.is_mask) png_set_filler(png, 0, PNG_FILLER_AFTER);
-    for (std::uint32_t y = 0; y < rows.height; ++y) {
-        png_write_row(png, rows.row(y));
-        if (y % rows_between_checks == 0) file.check();
+/// The first three bytes of each pixel.
+std::vector<std::uint8_t> rgb_of(std::size_t count, std::span<const std::uint8_t> pixels) {
+    const std::size_t pixel_bytes = pixels.size() / count;
+    std::vector<std::uint8_t> rgb(3 * count);
+    for (std::size_t i = 0; i < count; ++i) std::copy_n(&pixels[pixel_bytes * i], 3, &rgb[3 * i]);
+    return rgb;
+}
+
+std::string base64_of(std::string bytes) {
+    constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    const std::size_t padding = (3 - bytes.size() % 3) % 3;
+    bytes.append(padding, '\0');
+    std::string text;
+    for (std::size_t i = 0; i < bytes.size(); i += 3) {
+        std::uint32_t bits = 0;
+        for (std::size_t k = 0; k < 3; ++k) bits = bits << 8 | std::uint8_t(bytes[i + k]);
+        for (int shift = 18; shift >= 0; shift -= 6) text += digits[bits >> shift & 63u];
     }
-    png_write_end(png, nullptr);
-}
-
-// False if libpng gave up: it jumps back to this function, so no variable below may have a destructor.
-bool try_to_put_rows(png_structp png, png_infop info, const PngRows& rows, const OutputFile& file, char* made_by) {
-    if (setjmp(png_jmpbuf(png)) != 0) return false;
-    put_rows(png, info, rows, file, made_by);
-    return true;
-}
-
-void write_png(OutputFile& file, const PngRows& rows) {
-    struct Writer {
-        std::string reason;
-        png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &reason, keep_reason, ignore_warning);
-        png_infop info = png != nullptr ? png_create_info_struct(png) : nullptr;
-        ~Writer() { png_destroy_write_struct(&png, &info); }
-    } writer;
-    if (writer.info == nullptr) throw Error("cannot write " + file.target().string() + ": libpng does not start");
-    png_set_write_fn(writer.png, &file, put_bytes, flush_nothing);
-    std::string made_by = software();
-    const bool is_done = try_to_put_rows(writer.png, writer.info, rows, file, made_by.data());
-    file.check();  // first, as the system's reason, if there is one, is more precise
-    if (!is_done) throw Error("cannot write " + file.target().string() + ": " + writer.reason);
+    return text.replace(text.size() - padding, padding, padding, '=');
 }
 
 std::uint8_t mask_value(float visibility) {
@@ -97,7 +92,7 @@ const OpenImageIo& opened_module() {
     void* const module = ::dlopen(module_path().c_str(), RTLD_NOW | RTLD_LOCAL);
     const void* const found = module != nullptr ? ::dlsym(module, "gnomon_openimageio") : nullptr;
     if (found == nullptr)
-        throw Error(std::string("cannot open the module for EXR files, galleries and images, which is built and "
+        throw Error(std::string("cannot open the module for EXR files and images, which is built and "
                                 "installed with the command: ") +
                     ::dlerror());
     return *static_cast<const OpenImageIo*>(found);
@@ -112,26 +107,32 @@ const OpenImageIo& open_image_io() {
 }  // namespace
 
 void write_picture(OutputFile& file, std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> rgba) {
-    write_png(file, {width, height, false, [&](std::uint32_t y) { return rgba.data() + std::size_t(4) * width * y; }});
+    write_png(file, width, height, 3, rgb_of(std::size_t(width) * height, rgba));
 }
 
 void write_mask(OutputFile& file, std::uint32_t width, std::uint32_t height, std::span<const float> visibility) {
-    std::vector<std::uint8_t> row(width);
-    write_png(file, {width, height, true, [&](std::uint32_t y) {
-                         const auto points = visibility.subspan(std::size_t(y) * width, width);
-                         std::transform(points.begin(), points.end(), row.begin(), mask_value);
-                         return row.data();
-                     }});
+    std::vector<std::uint8_t> values(visibility.size());
+    std::ranges::transform(visibility, values.begin(), mask_value);
+    write_png(file, width, height, 1, values);
 }
 
 void write_aov(OutputFile& file, std::uint32_t width, std::uint32_t height, const ViewOnHost& view,
                std::span<const float> values, const char* channel, const AovSurfaces& surfaces) {
-    open_image_io().write_aov(file, file.target().string(), software(), width, height, view, values, channel, surfaces);
+    open_image_io().write_aov(file, file.target().string(), "gnomon " + std::string(version()), width, height, view,
+                              values, channel, surfaces);
 }
 
-std::string data_uri(const char* format, std::uint32_t width, std::uint32_t height,
+std::string data_uri(const std::string& format, std::uint32_t width, std::uint32_t height,
                      std::span<const std::uint8_t> pixels) {
-    return open_image_io().data_uri(format, width, height, pixels, std::ptrdiff_t(pixels.size() / width / height));
+    const auto append = [](void* to, void* bytes, int count) {
+        static_cast<std::string*>(to)->append(static_cast<const char*>(bytes), std::size_t(count));
+    };
+    const std::vector<std::uint8_t> rgb = rgb_of(std::size_t(width) * height, pixels);
+    const int w = int(width), h = int(height);
+    std::string file;
+    require_memory(format == "png" ? stbi_write_png_to_func(append, &file, w, h, 3, rgb.data(), 0)
+                                   : stbi_write_jpg_to_func(append, &file, w, h, 3, rgb.data(), 90));
+    return "data:image/" + format + ";base64," + base64_of(std::move(file));
 }
 
 std::string short_data_uri(std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> rgba) {

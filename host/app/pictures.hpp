@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Pictures, streamed into an OutputFile. The format is chosen here, never by the file's name.
+// Pictures, written into an OutputFile. The format is chosen here, never by the file's name.
 // Nothing in a file depends on the time or the machine: the same values give the same bytes.
 #pragma once
 
@@ -13,7 +13,7 @@
 
 namespace gnomon::app {
 
-/// An 8-bit sRGB PNG from RGBA bytes, row by row from the top. Alpha is left out: the picture is opaque.
+/// An 8-bit sRGB PNG from RGBA bytes, from the top. Alpha is left out: the picture is opaque.
 void write_picture(OutputFile& file, std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> rgba);
 
 /// An 8-bit PNG of one channel: 255 lit (and sky), 0 in shadow, rounded between.
@@ -27,7 +27,7 @@ void write_aov(OutputFile& file, std::uint32_t width, std::uint32_t height, cons
 
 /// A picture inside a page, from RGB or RGBA bytes: "data:image/png;base64,..." is exact, "data:image/jpeg..." for
 /// looks.
-std::string data_uri(const char* format, std::uint32_t width, std::uint32_t height,
+std::string data_uri(const std::string& format, std::uint32_t width, std::uint32_t height,
                      std::span<const std::uint8_t> pixels);
 /// RGBA bytes as a PNG, or as a JPEG where that is shorter: pictures of a few colours stay exact.
 std::string short_data_uri(std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> rgba);
@@ -36,7 +36,7 @@ std::string short_data_uri(std::uint32_t width, std::uint32_t height, std::span<
 AlphaImage decode_alpha(std::span<const unsigned char> bytes);
 RgbaImage decode_colors(std::span<const unsigned char> bytes, std::uint64_t most_bytes);
 
-/// Throws Error if any function but write_picture() and write_mask() would: to be called before long work.
+/// Throws Error if write_aov(), decode_alpha() or decode_colors() would: to be called before long work.
 void require_openimageio();
 
 }  // namespace gnomon::app

@@ -2,6 +2,7 @@
 // The outline of a run. render_picture() and render(), at the end, read top to bottom; the functions above are steps.
 #include "options.hpp"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <bit>
 #include <chrono>
@@ -309,8 +310,9 @@ std::unique_ptr<SeenSurfaces> surfaces_of(Report& report, const Device& device, 
     auto made = std::make_unique<SeenSurfaces>(device, scene, seen, textures);
     report.texture_bytes = made->surfaces.texture_bytes();
     if (const std::uint32_t levels = made->surfaces.left_out_levels(); levels != 0) {
-        const std::string what = "the textures do not fit into the device's memory: their " + std::to_string(levels) +
-                                 " finest level" + (levels == 1 ? " is" : "s are") + " left out";
+        const std::string what =
+            fmt::format("the textures do not fit into the device's memory: their {} finest level{} left out", levels,
+                        levels == 1 ? " is" : "s are");
         if (report.options.strict) throw Error(what + " (an error because of --strict)");
         print_warning(what);
     }

@@ -2,6 +2,7 @@
 // stats.json and the terminal's table. A float32 becomes a JSON number through double, which holds it exactly.
 #include "report.hpp"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <numbers>
 #include <utility>
@@ -108,8 +109,7 @@ ordered_json animation_json(const Report& report) {
 /// ", Walk at 0.5 s", or which animations there are.
 std::string pose_text(const Report& report) {
     const auto& [all, shown] = report.animations;
-    if (!shown.empty())
-        return ", animation \"" + shown + "\" at " + formatted("%g", report.options.time_s.value_or(0)) + " s";
+    if (!shown.empty()) return fmt::format(", animation \"{}\" at {:g} s", shown, report.options.time_s.value_or(0));
     if (all.empty()) return "";
     std::string names;
     for (std::size_t i = 0; i < all.size() && i < 8; ++i) names += (i == 0 ? "" : ", ") + all[i];
@@ -117,35 +117,36 @@ std::string pose_text(const Report& report) {
 }
 
 /// A line "label   text".
-std::string fact(const char* label, const std::string& text) { return formatted("%-9s", label) + text + '\n'; }
+std::string fact(const char* label, const std::string& text) { return fmt::format("{:<9}{}\n", label, text); }
 
 /// "  name   device ms   wall ms" for each stage of a part, under its heading.
 std::string stages_text(const char* part, const Statistics& statistics) {
-    std::string text = formatted("%-30s%12s%12s\n", part, "device ms", "wall ms");
+    std::string text = fmt::format("{:<30}{:>12}{:>12}\n", part, "device ms", "wall ms");
     for (const auto& [name, device_ms, wall_ms, skipped] : statistics.stages) {
-        text += formatted("  %-28s", name.c_str());
-        text += skipped.empty() ? formatted("%12.2f%12.2f\n", device_ms, wall_ms) : "  skipped: " + skipped + '\n';
+        text += fmt::format("  {:<28}", name);
+        text +=
+            skipped.empty() ? fmt::format("{:12.2f}{:12.2f}\n", device_ms, wall_ms) : "  skipped: " + skipped + '\n';
     }
     return text;
 }
 
 /// The number of programs, and how many came from the cache.
 std::string builds_text(const KernelBuilds& kernels) {
-    const std::string programs = std::to_string(kernels.programs) + (kernels.programs == 1 ? " program" : " programs");
+    const std::string programs = fmt::format("{} program{}", kernels.programs, kernels.programs == 1 ? "" : "s");
     if (kernels.from_cache == 0) return programs + " compiled, unless the driver's own cache had them";
     if (kernels.from_cache == kernels.programs) return programs + " from the cache";
-    return programs + ", " + std::to_string(kernels.from_cache) + " of them from the cache, the others compiled";
+    return fmt::format("{}, {} of them from the cache, the others compiled", programs, kernels.from_cache);
 }
 
 /// A line of the table of times.
 std::string step_text(std::string name, double ms, const std::string& note) {
     std::replace(name.begin(), name.end(), '_', ' ');
-    return formatted("  %-28s%12.2f", name.c_str(), ms) + note + '\n';
+    return fmt::format("  {:<28}{:12.2f}{}\n", name, ms, note);
 }
 
 /// The steps, each to its end, and their sum.
 std::string steps_text(const Report& report) {
-    std::string text = formatted("%-30s%12s\n", "time", "ms");
+    std::string text = fmt::format("{:<30}{:>12}\n", "time", "ms");
     for (const auto& [name, ms] : report.phases_ms)
         text += step_text(name, ms, name == "kernels" ? "  " + builds_text(report.kernels) : "");
     return text + step_text("total", report.total_ms, "");
@@ -167,9 +168,9 @@ std::string counts_text(const Statistics& statistics) {
 
 std::string shares_text(const Shares& shares) {
     const double all = double(std::max<std::uint64_t>(1, shares.lit + shares.in_shadow + shares.partly));
-    std::string text = formatted("%.1f %% of the pixels lit (or sky), %.1f %% in shadow",
-                                 100.0 * double(shares.lit) / all, 100.0 * double(shares.in_shadow) / all);
-    if (shares.partly > 0) text += formatted(", %.1f %% partly", 100.0 * double(shares.partly) / all);
+    std::string text = fmt::format("{:.1f} % of the pixels lit (or sky), {:.1f} % in shadow",
+                                   100.0 * double(shares.lit) / all, 100.0 * double(shares.in_shadow) / all);
+    if (shares.partly > 0) text += fmt::format(", {:.1f} % partly", 100.0 * double(shares.partly) / all);
     return text;
 }
 
@@ -207,7 +208,7 @@ std::filesystem::path numbered(const std::filesystem::path& file, std::uint32_t 
 }
 
 std::string mask_name(std::size_t light, std::size_t light_count) {
-    return light_count == 1 ? "mask" : "mask_" + std::to_string(light);
+    return light_count == 1 ? "mask" : fmt::format("mask_{}", light);
 }
 
 std::vector<std::pair<std::string, std::filesystem::path>> outputs_of(const RenderOptions& options,
@@ -274,14 +275,14 @@ std::string frames_text(const SequenceReport& sequence) {
     const SequenceReport::Frame& first = sequence.frames.front();
     std::vector<double> totals;
     for (std::size_t i = 1; i < sequence.frames.size(); ++i) totals.push_back(sequence.frames[i].total_ms);
-    std::string text = formatted("%-30s%12s%12s\n", (std::to_string(sequence.frames.size()) + " frames").c_str(),
-                                 "first ms", "median ms");
+    std::string text =
+        fmt::format("{:<30}{:>12}{:>12}\n", fmt::format("{} frames", sequence.frames.size()), "first ms", "median ms");
     for (auto [name, ms] : first.phases_ms) {
         const double later = median(later_times(sequence, name));
         std::replace(name.begin(), name.end(), '_', ' ');
-        text += formatted("  %-28s%12.2f%12.2f\n", name.c_str(), ms, later);
+        text += fmt::format("  {:<28}{:12.2f}{:12.2f}\n", name, ms, later);
     }
-    return text + formatted("  %-28s%12.2f%12.2f\n", "total", first.total_ms, median(totals));
+    return text + fmt::format("  {:<28}{:12.2f}{:12.2f}\n", "total", first.total_ms, median(totals));
 }
 
 std::string summary(const Report& report) {
@@ -292,7 +293,7 @@ std::string summary(const Report& report) {
     std::string text = fact("device", device.name + " (" + device.platform + ", " + device.driver_version + ")");
     if (!device.note.empty()) text += fact("", device.note);
     text += fact("scene", scene_name(options) + ", " + triangles + pose_text(report));
-    text += fact("camera", report.camera.source + formatted(", %ux%u", width, height)) + '\n';
+    text += fact("camera", fmt::format("{}, {}x{}", report.camera.source, width, height)) + '\n';
     if (options.profile) text += stages_text("camera", report.camera_statistics);
     text += counts_text(report.camera_statistics);
     for (const auto& [chosen, statistics, shares] : report.lights) {
@@ -303,7 +304,7 @@ std::string summary(const Report& report) {
     if (report.texture_bytes != 0) text += '\n' + fact("textures", bytes_for_people(report.texture_bytes));
     if (report.exposure_ev.value_or(0) != 0)
         text += fact("exposure",
-                     formatted("--exposure %.3g", *report.exposure_ev) + (options.exposure_ev ? "" : " (metered)"));
+                     fmt::format("--exposure {:.3g}", *report.exposure_ev) + (options.exposure_ev ? "" : " (metered)"));
     text += '\n' + fact("memory", bytes_for_people(report.device_memory_peak_bytes) + " on the device at most");
     return text + fact("wrote", file_list(report)) + '\n' + steps_text(report);
 }

@@ -2,6 +2,7 @@
 // A device, a scene, a camera, a light, a technique. Names win over positions, so that a light called "1" can be had.
 #include "setup.hpp"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <charconv>
 #include <cstring>
@@ -21,8 +22,7 @@ constexpr double default_fov_y_degrees = 50;
 template <typename Named>
 std::string list_of(const std::vector<Named>& all) {
     std::string text;
-    for (std::size_t i = 0; i < all.size(); ++i)
-        text += (i == 0 ? "" : ", ") + std::to_string(i) + " \"" + all[i].name + "\"";
+    for (std::size_t i = 0; i < all.size(); ++i) text += fmt::format("{}{} \"{}\"", i == 0 ? "" : ", ", i, all[i].name);
     return text;
 }
 
@@ -106,8 +106,8 @@ scene::Scene load_triangles(const std::filesystem::path& file) {
     if (!stream.is_open() || stream.bad()) throw Error("cannot read " + file.string());
     constexpr std::size_t triangle_bytes = 9 * sizeof(float);
     if (bytes.size() % triangle_bytes != 0)
-        throw Error(file.string() + " holds " + std::to_string(bytes.size()) +
-                    " bytes: triangles take 36 bytes each, nine float32");
+        throw Error(
+            fmt::format("{} holds {} bytes: triangles take 36 bytes each, nine float32", file.string(), bytes.size()));
     scene::Scene scene;
     scene.triangles.resize(bytes.size() / sizeof(float));
     std::memcpy(scene.triangles.data(), bytes.data(), bytes.size());

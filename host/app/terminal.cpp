@@ -2,6 +2,7 @@
 // Messages, numbers for people, and the progress line (a thread that wakes once a second until it is stopped).
 #include "terminal.hpp"
 
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <array>
@@ -39,12 +40,6 @@ std::string_view text_file(std::string_view name) {
     throw Error("no file " + std::string(name) + " was built into the command");
 }
 
-std::string grouped(std::uint64_t number) {
-    std::string digits = std::to_string(number);
-    for (std::size_t left = digits.size(); left > 3;) digits.insert(left -= 3, 1, ',');
-    return digits;
-}
-
 std::string bytes_for_people(std::uint64_t bytes) {
     constexpr std::array<const char*, 5> units{"B", "KiB", "MiB", "GiB", "TiB"};
     double amount = double(bytes);
@@ -53,7 +48,7 @@ std::string bytes_for_people(std::uint64_t bytes) {
         amount /= 1024;
         ++unit;
     }
-    return formatted(unit == 0 ? "%.0f %s" : "%.1f %s", amount, units[unit]);
+    return fmt::format("{:.{}f} {}", amount, unit == 0 ? 0 : 1, units[unit]);
 }
 
 ProgressLine::ProgressLine(std::string work, bool shown) : work_(std::move(work)) {

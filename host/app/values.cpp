@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Values of options: strict readers (no trailing characters, no NaN, no infinity), each with its error message.
+// Values of options: strict readers (no trailing characters, no NaN, no infinity), each with what its error asks for.
 #include "values.hpp"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -11,14 +12,8 @@
 #include <limits>
 #include <optional>
 
-#include "terminal.hpp"
-
 namespace gnomon::app {
 namespace {
-
-[[noreturn]] void refuse(const std::string& option, const std::string& needs, const std::string& text) {
-    throw UsageError(option + " needs " + needs + ", not \"" + text + "\"");
-}
 
 /// The finite float that all of `text` spells, or nothing.
 std::optional<float> float_of(const std::string& text) {
@@ -40,6 +35,14 @@ std::optional<std::uint64_t> whole_number_of(std::string_view text, std::uint64_
     return value;
 }
 
+std::optional<double> double_of(const std::string& text) {
+    double value = 0;
+    const char* const end = text.data() + text.size();
+    const auto [stopped, error] = std::from_chars(text.data(), end, value);
+    if (error != std::errc{} || stopped != end || !std::isfinite(value)) return std::nullopt;
+    return value;
+}
+
 /// What `read` finds in each of the `count` parts of a text; nothing if a part is missing or wrong.
 template <std::size_t count, typename Value, typename Read>
 std::optional<std::array<Value, count>> list_of(const std::string& text, char separator, const Read& read) {
@@ -55,11 +58,22 @@ std::optional<std::array<Value, count>> list_of(const std::string& text, char se
     return values;
 }
 
-/// Two whole numbers, each from `least` to `largest`.
-std::optional<std::array<std::uint32_t, 2>> pair_of(const std::string& text, char separator, std::uint32_t least,
-                                                    std::uint32_t largest) {
-    return list_of<2, std::uint32_t>(text, separator,
-                                     [=](const std::string& part) { return whole_number_of(part, least, largest); });
+/// Two whole numbers, each from `least` to `largest`, as a `Pair`.
+template <typename Pair>
+std::function<std::optional<Pair>(const std::string&)> pair_of(char separator, std::uint32_t least,
+                                                               std::uint32_t largest) {
+    return [=](const std::string& text) -> std::optional<Pair> {
+        const auto read = [=](const std::string& part) { return whole_number_of(part, least, largest); };
+        const auto two = list_of<2, std::uint32_t>(text, separator, read);
+        return two ? std::optional(Pair{(*two)[0], (*two)[1]}) : std::nullopt;
+    };
+}
+
+std::optional<std::array<Float3, 3>> nine_of(const std::string& text) {
+    const auto v = list_of<9, float>(text, ',', float_of);
+    if (!v) return std::nullopt;
+    return std::array<Float3, 3>{Float3{(*v)[0], (*v)[1], (*v)[2]}, Float3{(*v)[3], (*v)[4], (*v)[5]},
+                                 Float3{(*v)[6], (*v)[7], (*v)[8]}};
 }
 
 std::string lower_case(std::string text) {
@@ -73,91 +87,82 @@ int suffix_shift(char suffix) {
     return power == std::string_view::npos ? 0 : 10 * int(power + 1);
 }
 
-}  // namespace
-
-float parse_float(const std::string& option, const std::string& text) {
-    const std::optional<float> value = float_of(text);
-    if (!value) refuse(option, "a finite number", text);
-    return *value;
-}
-
-double parse_double(const std::string& option, const std::string& text) {
-    double value = 0;
-    const char* const end = text.data() + text.size();
-    const auto [stopped, error] = std::from_chars(text.data(), end, value);
-    if (error != std::errc{} || stopped != end || !std::isfinite(value)) refuse(option, "a finite number", text);
-    return value;
-}
-
-Float3 parse_float3(const std::string& option, const std::string& text) {
-    const auto value = list_of<3, float>(text, ',', float_of);
-    if (!value) refuse(option, "three finite numbers x,y,z", text);
-    return *value;
-}
-
-std::array<Float3, 3> parse_three_float3(const std::string& option, const std::string& text) {
-    const auto values = list_of<9, float>(text, ',', float_of);
-    if (!values) refuse(option, "nine finite numbers: a corner and two edges, x,y,z each", text);
-    const auto& v = *values;
-    return {Float3{v[0], v[1], v[2]}, Float3{v[3], v[4], v[5]}, Float3{v[6], v[7], v[8]}};
-}
-
-ImageSize parse_size(const std::string& option, const std::string& text) {
-    const auto size = pair_of(text, 'x', 1, largest_side_px);
-    if (!size) refuse(option, "WIDTHxHEIGHT in pixels, each from 1 to " + std::to_string(largest_side_px), text);
-    return {(*size)[0], (*size)[1]};
-}
-
-Pixel parse_pixel(const std::string& option, const std::string& text) {
-    const auto pixel = pair_of(text, ',', 0, largest_side_px - 1);
-    if (!pixel) refuse(option, "a pixel X,Y, counted from 0 at the upper left corner", text);
-    return {(*pixel)[0], (*pixel)[1]};
-}
-
-std::uint64_t parse_bytes(const std::string& option, const std::string& text) {
+std::optional<std::uint64_t> bytes_of(const std::string& text) {
     std::string_view digits = text;
     const int shift = text.empty() ? 0 : suffix_shift(text.back());
     if (shift != 0) digits.remove_suffix(1);
     const auto number = whole_number_of(digits, 1, std::numeric_limits<std::uint64_t>::max() >> shift);
-    if (!number) refuse(option, "a number of bytes above 0, such as 1500000, 512M or 2G", text);
-    return *number << shift;
+    return number ? std::optional(*number << shift) : std::nullopt;
 }
 
-std::uint32_t parse_count(const std::string& option, const std::string& text, std::uint32_t least,
-                          std::uint32_t largest) {
-    const auto number = whole_number_of(text, least, largest);
-    if (!number)
-        refuse(option, "a whole number from " + std::to_string(least) + " to " + std::to_string(largest), text);
-    return static_cast<std::uint32_t>(*number);
-}
-
-std::pair<std::string, std::string> parse_setting(const std::string& option, const std::string& text) {
+std::optional<std::pair<std::string, std::string>> setting_of(const std::string& text) {
     const std::size_t equals = text.find('=');
-    if (equals == std::string::npos || equals == 0) refuse(option, "key=value", text);
-    return {text.substr(0, equals), text.substr(equals + 1)};
+    if (equals == std::string::npos || equals == 0) return std::nullopt;
+    return std::pair(text.substr(0, equals), text.substr(equals + 1));
 }
 
-std::string parse_name(const std::string& option, const std::string& text) {
-    if (text.empty() || text.starts_with("--")) refuse(option, "a value", text);
-    return text;
+}  // namespace
+
+Kind<float> number() { return {float_of, "a finite number"}; }
+
+Kind<double> double_number() { return {double_of, "a finite number"}; }
+
+Kind<Float3> three_numbers() {
+    return {[](const std::string& text) { return list_of<3, float>(text, ',', float_of); },
+            "three finite numbers x,y,z"};
 }
 
-std::filesystem::path parse_file(const std::string& option, const std::string& text, std::string_view extension) {
-    if (text.empty() || text.starts_with("-")) refuse(option, "a file name (./-name if it begins with a minus)", text);
-    const std::filesystem::path file(text);
-    if (!extension.empty() && lower_extension(file) != extension)
-        refuse(option, "a file name that ends in " + std::string(extension), text);
-    return file;
+Kind<std::array<Float3, 3>> nine_numbers() {
+    return {nine_of, "nine finite numbers: a corner and two edges, x,y,z each"};
+}
+
+Kind<std::array<double, 2>> latitude_longitude() {
+    const Kind<std::array<double, 2>> two{
+        [](const std::string& text) { return list_of<2, double>(text, ',', double_of); }, {}};
+    return only(two, "a latitude from -90 to 90 and a longitude from -180 to 180",
+                [](const auto& degrees) { return std::abs(degrees[0]) <= 90 && std::abs(degrees[1]) <= 180; });
+}
+
+Kind<ImageSize> image_size() {
+    return {pair_of<ImageSize>('x', 1, largest_side_px),
+            fmt::format("WIDTHxHEIGHT in pixels, each from 1 to {}", largest_side_px)};
+}
+
+Kind<Pixel> pixel() {
+    return {pair_of<Pixel>(',', 0, largest_side_px - 1), "a pixel X,Y, counted from 0 at the upper left corner"};
+}
+
+Kind<std::uint64_t> bytes() { return {bytes_of, "a number of bytes above 0, such as 1500000, 512M or 2G"}; }
+
+Kind<std::uint32_t> count(std::uint32_t least, std::uint32_t largest) {
+    return {
+        [=](const std::string& text) { return std::optional<std::uint32_t>(whole_number_of(text, least, largest)); },
+        fmt::format("a whole number from {} to {}", least, largest)};
+}
+
+Kind<std::pair<std::string, std::string>> setting() { return {setting_of, "key=value"}; }
+
+Kind<std::string> name() {
+    const Kind<std::string> any{[](const std::string& text) { return std::optional(text); }, {}};
+    return only(any, "a value", [](const std::string& text) { return !text.empty() && !text.starts_with("--"); });
+}
+
+Kind<std::filesystem::path> file_name(const std::string& extension) {
+    const auto read = [=](const std::string& text) -> std::optional<std::filesystem::path> {
+        const bool is_name = !text.empty() && !text.starts_with("-");
+        if (!is_name || (!extension.empty() && lower_extension(text) != extension)) return std::nullopt;
+        return text;
+    };
+    return {read, "a file name" + (extension.empty() ? "" : " that ends in " + extension) +
+                      " (./-name if it begins with a minus)"};
 }
 
 std::string lower_extension(const std::filesystem::path& file) { return lower_case(file.extension().string()); }
 
-std::string float_text(float value) {
-    return formatted("%.*g", std::numeric_limits<float>::max_digits10, double(value));
-}
+std::string float_text(float value) { return fmt::format("{:.9g}", double(value)); }
 
 std::string float3_text(const Float3& value) {
-    return float_text(value[0]) + "," + float_text(value[1]) + "," + float_text(value[2]);
+    return fmt::format("{:.9g},{:.9g},{:.9g}", double(value[0]), double(value[1]), double(value[2]));
 }
 
 }  // namespace gnomon::app

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: MIT
-// The values of options, from text and back. Every function takes the option's name, so that its error names the wrong
-// option. Numbers are float32 by strtof: the light and the camera get exactly the written number, rounded once;
-// float_text() prints enough digits (9) to give the same bits again.
+// The values of options, from text and back. Numbers are read by strtof and from_chars, not by CLI11: the light and the
+// camera get exactly the written number, rounded once (CLI11 rounds to a long double first, reads 010 as 8, and its
+// Range accepts nan); float_text() prints enough digits (9) to give the same bits again.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <optional>
 #include <stdexcept>
 #include <string>
-#include <string_view>
 #include <utility>
 
 #include <gnomon.hpp>
@@ -32,29 +34,46 @@ struct Pixel {
 /// The largest picture side that look() accepts, in pixels.
 inline constexpr std::uint32_t largest_side_px = 16384;
 
-/// One finite number and nothing after it.
-float parse_float(const std::string& option, const std::string& text);
-/// The same as a double, for times.
-double parse_double(const std::string& option, const std::string& text);
-/// "x,y,z", each as parse_float.
-Float3 parse_float3(const std::string& option, const std::string& text);
+/// What an option takes: `read` finds the value that a text spells, or nothing; an error says what the option `needs`.
+template <typename Value>
+struct Kind {
+    std::function<std::optional<Value>(const std::string& text)> read;
+    std::string needs;
+};
+
+/// The values of `kind` that `accepts`.
+template <typename Value, typename Accepts>
+Kind<Value> only(const Kind<Value>& kind, std::string needs, Accepts accepts) {
+    const auto read = [=](const std::string& text) {
+        const std::optional<Value> value = kind.read(text);
+        return value && accepts(*value) ? value : std::nullopt;
+    };
+    return {read, std::move(needs)};
+}
+
+/// One finite number and nothing after it; as a double, for times.
+Kind<float> number();
+Kind<double> double_number();
+/// "x,y,z".
+Kind<Float3> three_numbers();
 /// Three of them, with commas between: nine numbers.
-std::array<Float3, 3> parse_three_float3(const std::string& option, const std::string& text);
+Kind<std::array<Float3, 3>> nine_numbers();
+/// "latitude,longitude" in degrees.
+Kind<std::array<double, 2>> latitude_longitude();
 /// "WxH", each from 1 to largest_side_px.
-ImageSize parse_size(const std::string& option, const std::string& text);
+Kind<ImageSize> image_size();
 /// "X,Y", each from 0.
-Pixel parse_pixel(const std::string& option, const std::string& text);
+Kind<Pixel> pixel();
 /// A number of bytes above 0, with K, M, G or T for powers of 1024.
-std::uint64_t parse_bytes(const std::string& option, const std::string& text);
+Kind<std::uint64_t> bytes();
 /// A whole number from `least` to `largest`.
-std::uint32_t parse_count(const std::string& option, const std::string& text, std::uint32_t least,
-                          std::uint32_t largest);
+Kind<std::uint32_t> count(std::uint32_t least, std::uint32_t largest);
 /// "key=value", the value may contain further equals signs.
-std::pair<std::string, std::string> parse_setting(const std::string& option, const std::string& text);
+Kind<std::pair<std::string, std::string>> setting();
 /// A name that is not empty and is not shaped like an option ("--mask --quiet": a forgotten value).
-std::string parse_name(const std::string& option, const std::string& text);
+Kind<std::string> name();
 /// A file name with the given extension in any case (".png"); an empty extension allows all.
-std::filesystem::path parse_file(const std::string& option, const std::string& text, std::string_view extension);
+Kind<std::filesystem::path> file_name(const std::string& extension = {});
 
 /// The extension in lower case, with its dot.
 std::string lower_extension(const std::filesystem::path& file);

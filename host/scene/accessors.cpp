@@ -76,8 +76,8 @@ void Accessors::for_each_sparse(int index, const Put& put) const {
     for (std::size_t i = 0; i < std::size_t(sparse.count); ++i) {
         const std::uint32_t element = read_index(indices + i * index_stride, sparse.indices.componentType);
         if (element >= accessor.count)
-            fail(file_, text(index) + ".sparse names element " + std::to_string(element) +
-                            ", but the accessor has a count of " + std::to_string(accessor.count));
+            fail(file_, "{}.sparse names element {}, but the accessor has a count of {}", text(index), element,
+                 accessor.count);
         put(element, values + i * value_stride);
     }
 }
@@ -134,8 +134,7 @@ void Accessors::check_alignment(int index) const {
     const std::size_t bytes = component_bytes(accessor.componentType);
     // A stride is a multiple of 4 anyway. Remainders are added, for the offsets' sum could overflow.
     if ((accessor.byteOffset % bytes + view.byteOffset % bytes) % bytes != 0)
-        fail(file_, text(index) + " is misaligned: its offset must be a multiple of its " + std::to_string(bytes) +
-                        "-byte components");
+        fail(file_, "{} is misaligned: its offset must be a multiple of its {}-byte components", text(index), bytes);
 }
 
 void Accessors::require(int index, int type, std::span<const int> component_types, const std::string& what,

@@ -51,7 +51,7 @@ public:
                  const char* wanted) const;
     std::size_t count(int accessor) const { return model_.accessors[std::size_t(accessor)].count; }
 
-    static std::string text(int accessor) { return "accessors[" + std::to_string(accessor) + "]"; }
+    static std::string text(int accessor) { return fmt::format("accessors[{}]", accessor); }
 
 private:
     const unsigned char* bytes_at(int view, std::size_t offset) const;

@@ -39,8 +39,7 @@ AnimationReader::Interval AnimationReader::interval(int input, double time_s, co
     for (std::size_t i = 0; i < times.count; ++i) {
         const double t = times.number(i, 0);
         if (!std::isfinite(t) || (i > 0 && t <= times.number(i - 1, 0)))
-            fail(file_, what + " has keyframes whose times do not rise: " + std::to_string(t) + " s at keyframe " +
-                            std::to_string(i));
+            fail(file_, "{} has keyframes whose times do not rise: {:f} s at keyframe {}", what, t, i);
         if (t <= time_s) first = i;
     }
     const double start = times.number(first, 0);
@@ -57,8 +56,8 @@ std::vector<double> AnimationReader::sample(const tinygltf::AnimationSampler& sa
     const std::size_t needed = accessors_.count(sampler.input) * (is_cubic ? 3 : 1);
     const std::size_t width = std::size_t(output.components);
     if (output.count % needed != 0 || output.count / needed * width != components)
-        fail(file_, what + " has " + counted(output.count * width, "number") + " for its keyframes, but needs " +
-                        std::to_string(needed) + " times " + std::to_string(components));
+        fail(file_, "{} has {} for its keyframes, but needs {} times {}", what, counted(output.count * width, "number"),
+             needed, components);
     // Value `part` of a keyframe; a cubic spline has three: in-tangent, value, out-tangent.
     const auto value = [&](std::size_t keyframe, std::size_t part) {
         const std::size_t begin = (keyframe * (is_cubic ? 3 : 1) + part) * components;
@@ -96,10 +95,11 @@ std::map<int, AnimatedNode> AnimationReader::at(int index, double time_s, std::s
             not_supported.insert("an animation of " + in_quotes(path) + " (ignored)");
             continue;
         }
-        const std::string what = "animations[" + std::to_string(index) + "].channels[" + std::to_string(i) + "]";
+        const std::string what = fmt::format("animations[{}].channels[{}]", index, i);
         if (!is_weights && !model_.nodes[std::size_t(channel.target_node)].matrix.empty())
-            fail(file_, what + " moves nodes[" + std::to_string(channel.target_node) +
-                            "], which has a matrix; glTF allows this only for translation, rotation and scale");
+            fail(file_,
+                 "{} moves nodes[{}], which has a matrix; glTF allows this only for translation, rotation and scale",
+                 what, channel.target_node);
         const std::size_t components = is_weights    ? morph_target_count(model_, channel.target_node)
                                        : is_rotation ? 4
                                                      : 3;

@@ -42,8 +42,8 @@ protected:
         if (!draco::DecodeVarint(&first, &ahead) || !draco::DecodeVarint(&second, &ahead)) return false;
         const auto left = std::uint64_t(ahead.remaining_size());
         if (std::max(first, second) > most_elements(left))
-            fail(budget_.file, what_ + " promises " + std::to_string(std::max(first, second)) +
-                                   " elements in a Draco stream of " + counted(left, "byte") + "; export it again");
+            fail(budget_.file, "{} promises {} elements in a Draco stream of {}; export it again", what_,
+                 std::max(first, second), counted(left, "byte"));
         constexpr bool is_edgebreaker = std::is_same_v<Decoder, draco::MeshEdgebreakerDecoder>;
         budget_.charge(what_, is_edgebreaker ? second : first, bytes_per_face);
         budget_.charge(what_, is_edgebreaker ? first : second, bytes_per_point);
@@ -68,9 +68,8 @@ private:
 std::unique_ptr<draco::MeshDecoder> make_decoder(const draco::DracoHeader& header, DecodingBudget& budget,
                                                  const std::string& what) {
     if (header.encoder_type != draco::TRIANGULAR_MESH || header.version_major != 2 || header.version_minor != 2)
-        fail(budget.file, what + " holds a Draco stream of version " + std::to_string(header.version_major) + "." +
-                              std::to_string(header.version_minor) + "; " + extension_name +
-                              " needs a mesh of version 2.2");
+        fail(budget.file, "{} holds a Draco stream of version {}.{}; {} needs a mesh of version 2.2", what,
+             header.version_major, header.version_minor, extension_name);
     if (header.encoder_method == draco::MESH_EDGEBREAKER_ENCODING)
         return std::make_unique<Bounded<draco::MeshEdgebreakerDecoder>>(budget, what);
     return std::make_unique<Bounded<draco::MeshSequentialDecoder>>(budget, what);
@@ -162,7 +161,7 @@ void unpack(tinygltf::Model& model, tinygltf::Primitive& primitive, DecodingBudg
     std::vector<std::string> other_counts;
     const auto compare = [&](const std::string& name, std::size_t declared, std::size_t decoded) {
         if (declared == decoded) return;
-        other_counts.push_back(name + " " + std::to_string(decoded) + " for " + std::to_string(declared));
+        other_counts.push_back(fmt::format("{} {} for {}", name, decoded, declared));
     };
     const tinygltf::Value& ids = extension.Get("attributes");
     for (auto& [name, accessor] : primitive.attributes) {
@@ -206,8 +205,8 @@ void unpack_draco(tinygltf::Model& model, DecodingBudget& budget, std::vector<st
             tinygltf::Primitive& primitive = model.meshes[mesh].primitives[i];
             if (!primitive.extensions.contains(extension_name) || primitive.mode < TINYGLTF_MODE_TRIANGLES) continue;
             const std::string& name = model.meshes[mesh].name;
-            const std::string what = "primitive " + std::to_string(i) + " of mesh " +
-                                     (name.empty() ? std::to_string(mesh) : in_quotes(name));
+            const std::string what =
+                fmt::format("primitive {} of mesh {}", i, name.empty() ? std::to_string(mesh) : in_quotes(name));
             unpack(model, primitive, budget, what, warnings);
         }
 }

@@ -3,6 +3,7 @@
 // are one sentence that begins with the file and names the wrong part of it.
 #pragma once
 
+#include <fmt/core.h>
 #include <tiny_gltf.h>
 
 #include <array>
@@ -23,6 +24,11 @@ namespace gnomon::scene {
 
 /// Throws SceneError "FILE: what".
 [[noreturn]] void fail(const std::filesystem::path& file, const std::string& what);
+template <typename First, typename... Rest>
+[[noreturn]] void fail(const std::filesystem::path& file, fmt::format_string<First, Rest...> what, First&& first,
+                       Rest&&... rest) {
+    fail(file, fmt::format(what, std::forward<First>(first), std::forward<Rest>(rest)...));
+}
 
 /// A text of the file in quotes, fit for one line of a terminal: control characters replaced, cut after 60 bytes.
 std::string in_quotes(std::string_view text);

@@ -40,21 +40,21 @@ GltfContainer read_glb(const std::filesystem::path& file, std::uint64_t size) {
     const std::vector<unsigned char> header = read_bytes(file, {0, header_bytes}, file);
     const std::uint32_t version = little_endian_u32(&header[4]);
     const std::uint64_t length = little_endian_u32(&header[8]);
-    if (version != 2) fail(file, "is a .glb of version " + std::to_string(version) + "; only version 2 can be read");
+    if (version != 2) fail(file, "is a .glb of version {}; only version 2 can be read", version);
     if (length > size)
-        cut_off("its header promises " + counted(length, "byte") + ", but the file has only " + std::to_string(size));
+        cut_off(fmt::format("its header promises {}, but the file has only {}", counted(length, "byte"), size));
 
     GltfContainer container;
     container.is_glb = true;
     std::uint64_t offset = header_bytes;
     for (int index = 0; offset < length; ++index) {
-        if (length - offset < chunk_header_bytes) cut_off("chunk " + std::to_string(index) + " has no complete header");
+        if (length - offset < chunk_header_bytes) cut_off(fmt::format("chunk {} has no complete header", index));
         const std::vector<unsigned char> chunk = read_bytes(file, {offset, chunk_header_bytes}, file);
         const ByteRange body{offset + chunk_header_bytes, little_endian_u32(&chunk[0])};
         const std::uint32_t type = little_endian_u32(&chunk[4]);
         if (body.size > length - body.offset)
-            cut_off("chunk " + std::to_string(index) + " needs " + counted(body.size, "byte") + ", but only " +
-                    std::to_string(length - body.offset) + " are left");
+            cut_off(fmt::format("chunk {} needs {}, but only {} are left", index, counted(body.size, "byte"),
+                                length - body.offset));
         if ((index == 0) != (type == chunk_json)) fail(file, "the .glb's first chunk, and only that, must be JSON");
         if (index == 0) container.json = read_text(file, body);
         if (index == 1 && type == chunk_bin) container.binary_chunk = body;

@@ -45,7 +45,7 @@ private:
     void require(std::uint64_t available, std::size_t index, const std::string& what, const char* why = "") const;
 };
 
-std::string buffer_text(std::size_t index) { return "buffers[" + std::to_string(index) + "]"; }
+std::string buffer_text(std::size_t index) { return fmt::format("buffers[{}]", index); }
 
 /// %41 becomes A (RFC 3986); all other text stays unchanged.
 std::string percent_decoded(std::string_view uri) {
@@ -63,8 +63,8 @@ std::string percent_decoded(std::string_view uri) {
 
 void BufferReader::require(std::uint64_t available, std::size_t index, const std::string& what, const char* why) const {
     if (available < sources[index].byte_length)
-        fail(file, buffer_text(index) + " needs " + counted(sources[index].byte_length, "byte") + ", but " + what +
-                       std::to_string(available) + why);
+        fail(file, "{} needs {}, but {}{}{}", buffer_text(index), counted(sources[index].byte_length, "byte"), what,
+             available, why);
 }
 
 std::vector<unsigned char> BufferReader::decode(std::size_t index) const {
@@ -146,7 +146,7 @@ std::vector<BufferSource> take_buffer_sources(const std::filesystem::path& file,
         } else if (source.uri.empty() && !is_chunk) {
             fail(file, buffer_text(index) + " has no data: neither a uri nor a binary chunk");
         }
-        buffer["uri"] = std::string(buffer_name_prefix) + std::to_string(index);
+        buffer["uri"] = fmt::format("{}{}", buffer_name_prefix, index);
         sources.push_back(std::move(source));
     }
     return sources;
@@ -253,7 +253,7 @@ tinygltf::Model parse(const std::filesystem::path& file, const GltfContainer& co
 
 // ---- References -----------------------------------------------------------------------------------------------------
 
-std::string view_text(int index) { return "bufferViews[" + std::to_string(index) + "]"; }
+std::string view_text(int index) { return fmt::format("bufferViews[{}]", index); }
 
 /// `count` elements of `bytes` each, `stride` apart, from `offset` on, within `available` bytes. Written with
 /// divisions: products and sums of the file's own numbers could overflow.
@@ -268,13 +268,11 @@ void check_extent(const std::filesystem::path& file, const tinygltf::Model& mode
     const tinygltf::BufferView& v = model.bufferViews[view];
     const std::uint64_t stride = v.byteStride == 0 ? bytes : v.byteStride;
     if (stride < bytes)
-        fail(file, what + " has elements of " + counted(bytes, "byte") + ", but " + view_text(view) +
-                       ".byteStride is only " + std::to_string(stride));
+        fail(file, "{} has elements of {}, but {}.byteStride is only {}", what, counted(bytes, "byte"), view_text(view),
+             stride);
     if (!fits(v.byteLength, offset, count, stride, bytes))
-        fail(file, what + " reads beyond its bufferView: " + std::to_string(count) + " elements of " +
-                       counted(bytes, "byte") + ", " + std::to_string(stride) + " apart, from byte " +
-                       std::to_string(offset) + " on, but " + view_text(view) + " has " +
-                       counted(v.byteLength, "byte"));
+        fail(file, "{} reads beyond its bufferView: {} elements of {}, {} apart, from byte {} on, but {} has {}", what,
+             count, counted(bytes, "byte"), stride, offset, view_text(view), counted(v.byteLength, "byte"));
 }
 
 void check_views(const std::filesystem::path& file, const tinygltf::Model& model) {
@@ -282,16 +280,16 @@ void check_views(const std::filesystem::path& file, const tinygltf::Model& model
         const tinygltf::BufferView& view = model.bufferViews[i];
         const std::size_t available = model.buffers[view.buffer].data.size();
         if (!fits(available, view.byteOffset, 1, 1, view.byteLength))
-            fail(file, view_text(int(i)) + " reads beyond its buffer: " + counted(view.byteLength, "byte") +
-                           " from byte " + std::to_string(view.byteOffset) + " on, but " +
-                           buffer_text(std::size_t(view.buffer)) + " has " + counted(available, "byte"));
+            fail(file, "{} reads beyond its buffer: {} from byte {} on, but {} has {}", view_text(int(i)),
+                 counted(view.byteLength, "byte"), view.byteOffset, buffer_text(std::size_t(view.buffer)),
+                 counted(available, "byte"));
     }
 }
 
 void check_accessors(const std::filesystem::path& file, const tinygltf::Model& model) {
     for (std::size_t i = 0; i < model.accessors.size(); ++i) {
         const tinygltf::Accessor& accessor = model.accessors[i];
-        const std::string what = "accessors[" + std::to_string(i) + "]";
+        const std::string what = fmt::format("accessors[{}]", i);
         const std::size_t bytes = element_bytes(accessor);
         if (accessor.bufferView >= 0)
             check_extent(file, model, what, accessor.bufferView, accessor.byteOffset, accessor.count, bytes);
@@ -307,7 +305,7 @@ void check_accessors(const std::filesystem::path& file, const tinygltf::Model& m
 
 std::string node_text(const tinygltf::Model& model, int index) {
     const std::string& name = model.nodes[index].name;
-    return "nodes[" + std::to_string(index) + "]" + (name.empty() ? "" : " " + in_quotes(name));
+    return fmt::format("nodes[{}]{}", index, name.empty() ? "" : " " + in_quotes(name));
 }
 
 /// A node has one parent at most, so it is enough to walk up from each node until the walk meets a node of an earlier
@@ -347,7 +345,7 @@ std::vector<int> root_nodes(const std::filesystem::path& file, const tinygltf::M
     const int shown = chosen ? int(wanted) : std::max(model.defaultScene, 0);
     std::vector<bool> seen(parent.size(), false);
     for (const int node : model.scenes[shown].nodes) {
-        const std::string scene = "scenes[" + std::to_string(shown) + "]";
+        const std::string scene = fmt::format("scenes[{}]", shown);
         if (seen[node]) fail(file, scene + " lists " + node_text(model, node) + " twice");
         if (parent[node] >= 0)
             fail(file, scene + " lists " + node_text(model, node) + " as a root, but it is a child of " +
@@ -391,15 +389,15 @@ std::size_t find_named(const std::filesystem::path& file, const std::vector<std:
     const auto [stopped, error] = std::from_chars(name.data(), end, index);
     if (error == std::errc{} && stopped == end && index < names.size()) return index;
     std::vector<std::string> all;
-    for (std::size_t i = 0; i < names.size(); ++i) all.push_back(std::to_string(i) + " " + in_quotes(names[i]));
+    for (std::size_t i = 0; i < names.size(); ++i) all.push_back(fmt::format("{} {}", i, in_quotes(names[i])));
     fail(file, "there is no " + kind + " " + in_quotes(name) + ": the file has " +
                    (all.empty() ? "no " + kind + "s" : "these: " + listed(all)));
 }
 
 void DecodingBudget::charge(const std::string& what, std::uint64_t count, std::uint64_t bytes_each) {
     if (bytes_each != 0 && count > (most_bytes - bytes) / bytes_each)
-        fail(file, what + " unpacks to " + std::to_string(count) + " elements of " + counted(bytes_each, "byte") +
-                       ", more than the " + std::to_string(most_bytes >> 20) + " MiB of memory that it may take");
+        fail(file, "{} unpacks to {} elements of {}, more than the {} MiB of memory that it may take", what, count,
+             counted(bytes_each, "byte"), most_bytes >> 20);
     bytes += count * bytes_each;
 }
 

@@ -27,8 +27,8 @@ struct Path {
 
     std::string text(std::string_view property) const {
         std::string out;
-        if (!array.empty()) out += std::string(array) + "[" + std::to_string(index) + "]";
-        if (!inner_array.empty()) out += "." + std::string(inner_array) + "[" + std::to_string(inner_index) + "]";
+        if (!array.empty()) out += fmt::format("{}[{}]", array, index);
+        if (!inner_array.empty()) out += fmt::format(".{}[{}]", inner_array, inner_index);
         if (!member.empty()) out += (out.empty() ? "" : ".") + std::string(member);
         if (!property.empty()) out += (out.empty() ? "" : ".") + std::string(property);
         return out;
@@ -116,7 +116,7 @@ private:
         if (const auto n = value->get<std::uint64_t>(); n < least || n > most)
             reject(at, property,
                    "is " + value->dump() + ", but must be " +
-                       (n < least ? "at least " + std::to_string(least) : "at most " + std::to_string(most)));
+                       (n < least ? fmt::format("at least {}", least) : fmt::format("at most {}", most)));
         return value;
     }
 
@@ -127,7 +127,7 @@ private:
         if (!value.is_number_unsigned() || value.get<std::uint64_t>() >= entries)
             reject(at, property,
                    "is " + value.dump() + ", but " + str(target) + " has " +
-                       (entries == 1 ? "1 entry" : std::to_string(entries) + " entries"));
+                       (entries == 1 ? "1 entry" : fmt::format("{} entries", entries)));
     }
 
     void index(const json& parent, const Path& at, std::string_view property, std::string_view target,
@@ -149,7 +149,7 @@ private:
         if (!value) return nullptr;
         if (!value->is_array() || value->size() != length ||
             !std::all_of(value->begin(), value->end(), [](const json& n) { return n.is_number(); }))
-            reject(at, property, "must be " + std::to_string(length) + " numbers");
+            reject(at, property, fmt::format("must be {} numbers", length));
         return value;
     }
 
@@ -418,8 +418,7 @@ int nesting(std::string_view text) {
 }  // namespace
 
 json parse_json(const std::filesystem::path& file, const std::string& text) {
-    if (nesting(text) > deepest_nesting)
-        fail(file, "the JSON nests deeper than " + std::to_string(deepest_nesting) + " levels");
+    if (nesting(text) > deepest_nesting) fail(file, "the JSON nests deeper than {} levels", deepest_nesting);
     try {
         json root = json::parse(text);
         if (!root.is_object()) fail(file, "is not a glTF file: its JSON is no object");
@@ -427,10 +426,9 @@ json parse_json(const std::filesystem::path& file, const std::string& text) {
     } catch (const json::parse_error& error) {
         // The parser counts the end as a byte.
         const std::string size = counted(text.size(), "byte");
-        fail(file,
-             (error.byte > text.size() ? "the JSON is cut off after " + size
-                                       : "the JSON is broken at byte " + std::to_string(error.byte) + " of " + size) +
-                 "; export or copy the file again");
+        fail(file, (error.byte > text.size() ? "the JSON is cut off after " + size
+                                             : fmt::format("the JSON is broken at byte {} of {}", error.byte, size)) +
+                       "; export or copy the file again");
     } catch (const json::out_of_range&) {
         fail(file, "the JSON holds a number beyond the range of double");
     }

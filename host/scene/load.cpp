@@ -90,7 +90,7 @@ std::uint64_t times(std::uint64_t a, std::uint64_t b) {
 std::string name_or(const std::string& first, const std::string& second, std::string_view kind, std::size_t number) {
     if (!first.empty()) return first;
     if (!second.empty()) return second;
-    return std::string(kind) + " " + std::to_string(number);
+    return fmt::format("{} {}", kind, number);
 }
 
 std::uint64_t machine_memory_bytes() {
@@ -151,7 +151,7 @@ private:
         const tinygltf::Animation& animation = model_.animations[std::size_t(index)];
         for (std::size_t i = 0; i < animation.samplers.size(); ++i) {
             const auto& [input, output] = std::pair(animation.samplers[i].input, animation.samplers[i].output);
-            const std::string what = "animations[" + std::to_string(index) + "].samplers[" + std::to_string(i) + "]";
+            const std::string what = fmt::format("animations[{}].samplers[{}]", index, i);
             accessors_.require(input, TINYGLTF_TYPE_SCALAR, float_types, "the times of " + what, "SCALAR of float");
             accessors_.require(output, model_.accessors[std::size_t(output)].type, animated_types,
                                "the values of " + what, "floats or normalized integers");
@@ -172,7 +172,7 @@ private:
     void describe_animations(std::optional<double> time_s) {
         const std::vector<std::string> names = animation_names();
         for (std::size_t i = 0; i < names.size(); ++i)
-            work_.scene.animations.push_back(names[i].empty() ? "animation " + std::to_string(i) : names[i]);
+            work_.scene.animations.push_back(names[i].empty() ? fmt::format("animation {}", i) : names[i]);
         if (!names.empty() && (time_s || animation_ >= 0))
             work_.scene.animation = work_.scene.animations[std::size_t(std::max(animation_, 0))];
     }
@@ -185,7 +185,7 @@ private:
     std::string mesh_text(int mesh) const { return text_of("mesh ", model_.meshes[mesh].name, mesh); }
     std::string node_text(int node) const { return text_of("node ", model_.nodes[node].name, node); }
     std::string part_text(int mesh, int primitive) const {
-        return "primitive " + std::to_string(primitive) + " of " + mesh_text(mesh);
+        return fmt::format("primitive {} of {}", primitive, mesh_text(mesh));
     }
     static std::string accessor_text(int accessor) { return Accessors::text(accessor); }
 
@@ -226,8 +226,7 @@ private:
             else if (name == "TRANSLATION" || name == "SCALE")
                 accessors_.require(accessor, TINYGLTF_TYPE_VEC3, float_types, what, "VEC3 of float");
             if (count && *count != accessors_.count(accessor))
-                fail(file_, what + " are " + std::to_string(accessors_.count(accessor)) +
-                                ", but another attribute has " + std::to_string(*count));
+                fail(file_, "{} are {}, but another attribute has {}", what, accessors_.count(accessor), *count);
             count = accessors_.count(accessor);
             if (name == "ROTATION" || name == "TRANSLATION" || name == "SCALE") other_accessors_.insert(accessor);
         }
@@ -249,7 +248,7 @@ private:
         for (int k = 0; k < 3 && from.translation; ++k) t.push_back(from.translation->number(i, k));
         for (int k = 0; k < 4 && from.rotation; ++k) r.push_back(from.rotation->number(i, k));
         for (int k = 0; k < 3 && from.scale; ++k) s.push_back(from.scale->number(i, k));
-        return composed(t, r, s, file_, "instance " + std::to_string(i) + " of " + node_text(node));
+        return composed(t, r, s, file_, fmt::format("instance {} of {}", i, node_text(node)));
     }
 
     void add_camera(const Instance& visit) {
@@ -359,9 +358,8 @@ private:
                                  const char* wanted) {
             accessors_.require(accessor, type, types, thing + what, wanted);
             if (accessors_.count(accessor) < accessors_.count(positions))
-                fail(file_, thing + what + " (" + accessor_text(accessor) + ") are " +
-                                std::to_string(accessors_.count(accessor)) + " for " +
-                                counted(accessors_.count(positions), "position"));
+                fail(file_, "{}{} ({}) are {} for {}", thing, what, accessor_text(accessor), accessors_.count(accessor),
+                     counted(accessors_.count(positions), "position"));
             return accessor;
         };
         out.positions = checked(positions, TINYGLTF_TYPE_VEC3, position_types, "the positions of ", "VEC3");
@@ -370,11 +368,11 @@ private:
             out.targets.push_back(target == primitive.targets[i].end()
                                       ? -1
                                       : checked(target->second, TINYGLTF_TYPE_VEC3, position_types,
-                                                "the positions of morph target " + std::to_string(i) + " of ", "VEC3"));
+                                                fmt::format("the positions of morph target {} of ", i), "VEC3"));
         }
         for (int set = 0;; ++set) {
-            const auto joints = primitive.attributes.find("JOINTS_" + std::to_string(set));
-            const auto weights = primitive.attributes.find("WEIGHTS_" + std::to_string(set));
+            const auto joints = primitive.attributes.find(fmt::format("JOINTS_{}", set));
+            const auto weights = primitive.attributes.find(fmt::format("WEIGHTS_{}", set));
             if (joints == primitive.attributes.end() || weights == primitive.attributes.end()) return out;
             out.joints.push_back(checked(joints->second, TINYGLTF_TYPE_VEC4, joint_types, "the joints of ",
                                          "VEC4 of unsigned bytes or shorts"));
@@ -395,8 +393,8 @@ private:
         if (accessor.bufferView < 0) return;
         const std::size_t stride = model_.bufferViews[accessor.bufferView].byteStride;
         if (stride != 0 && stride != element_bytes(accessor))
-            fail(file_, "the indices of " + what + " (" + accessor_text(index) + ") have a byteStride of " +
-                            std::to_string(stride) + "; indices must be packed");
+            fail(file_, "the indices of {} ({}) have a byteStride of {}; indices must be packed", what,
+                 accessor_text(index), stride);
     }
 
     std::uint32_t use_material(int material) {
@@ -458,7 +456,7 @@ private:
         if (mask.is_blend && blend_ == BlendCasters::clear) material.cutoff = 2;
         const std::size_t vertices = accessors_.count(part.vertices.positions);
         if (mask.has_texture && material.cutoff <= 1) {
-            const auto accessor = primitive.attributes.find("TEXCOORD_" + std::to_string(mask.coordinates));
+            const auto accessor = primitive.attributes.find(fmt::format("TEXCOORD_{}", mask.coordinates));
             if (accessor != primitive.attributes.end()) {
                 const auto texture = alpha_of(primitive.material, mask);
                 if (!texture) return;
@@ -477,8 +475,8 @@ private:
         }
         for (const int accessor : {part.coordinates, part.alphas})
             if (accessor >= 0 && accessors_.count(accessor) < vertices)
-                fail(file_, accessor_text(accessor) + " of " + what + " has " +
-                                std::to_string(accessors_.count(accessor)) + " for " + counted(vertices, "position"));
+                fail(file_, "{} of {} has {} for {}", accessor_text(accessor), what, accessors_.count(accessor),
+                     counted(vertices, "position"));
         part.cut_out = add_cut_out(material);
         part.transform = &mask;
         has_corner_alphas_ = has_corner_alphas_ || part.alphas >= 0;
@@ -525,7 +523,7 @@ private:
         const auto found = document_.materials.materials.find(primitive.material);
         if (found == document_.materials.materials.end() || !found->second.has_texture) return;
         const MaterialSource& source = found->second;
-        const std::string coordinates = "TEXCOORD_" + std::to_string(source.coordinates);
+        const std::string coordinates = fmt::format("TEXCOORD_{}", source.coordinates);
         if (part.coordinates < 0)
             part.coordinates = picture_attribute(primitive, coordinates, pair, position_types, what);
         if (part.coordinates < 0) return;
@@ -656,9 +654,9 @@ private:
             if (accessor.bufferView >= 0) continue;
             without_data = plus(without_data, accessor.count);
             if (without_data > most_elements_without_data)
-                fail(file_, accessor_text(index) + " has a count of " + std::to_string(accessor.count) +
-                                " but no bufferView; accessors without data may have " +
-                                std::to_string(most_elements_without_data) + " elements in all");
+                fail(file_,
+                     "{} has a count of {} but no bufferView; accessors without data may have {} elements in all",
+                     accessor_text(index), accessor.count, most_elements_without_data);
         }
         return bytes;
     }
@@ -696,13 +694,14 @@ private:
         bytes = plus(bytes, times(triangles, 9 * sizeof(float) + sizeof(std::uint32_t)));
         bytes = plus(bytes, times(triangles, bytes_beside_positions()));
         if (triangles >= no_receiver)
-            fail(file_, "has " + std::to_string(triangles) +
-                            " triangles with its instances, more than the 4294967294 "
-                            "that 32-bit triangle ids can name");
+            fail(file_,
+                 "has {} triangles with its instances, more than the 4294967294 that 32-bit triangle ids can name",
+                 triangles);
         if (bytes > memory_bytes_)
-            fail(file_, "has " + std::to_string(triangles) + " triangles with its instances, which need " +
-                            std::to_string(bytes >> 20) + " MiB, more than the " + std::to_string(memory_bytes_ >> 20) +
-                            " MiB of memory that it may take");
+            fail(file_,
+                 "has {} triangles with its instances, which need {} MiB, more than the {} MiB of memory that it may "
+                 "take",
+                 triangles, bytes >> 20, memory_bytes_ >> 20);
     }
 
     /// The largest value of the type restarts a strip in graphics APIs. glTF forbids this value, and a guess of its
@@ -713,11 +712,11 @@ private:
         if (indices.value.empty()) return;
         const std::uint32_t restart = std::uint32_t((std::uint64_t(1) << (8 * element_bytes(accessor))) - 1);
         if (indices.largest == restart)
-            fail(file_, what + " has the vertex index " + std::to_string(restart) +
-                            ", the primitive-restart value, which glTF does not allow");
+            fail(file_, "{} has the vertex index {}, the primitive-restart value, which glTF does not allow", what,
+                 restart);
         if (indices.largest >= count)
-            fail(file_, what + " has the vertex index " + std::to_string(indices.largest) + ", but only " +
-                            (count == 1 ? "1 vertex" : std::to_string(count) + " vertices"));
+            fail(file_, "{} has the vertex index {}, but only {}", what, indices.largest,
+                 count == 1 ? "1 vertex" : fmt::format("{} vertices", count));
     }
 
     // ---- triangles ----
@@ -752,9 +751,9 @@ private:
             const std::size_t not_finite = write_instances(instance, pose, out, material);
             if (not_finite == 0) continue;
             work_.not_finite_count += not_finite;
-            work_.not_finite.push_back(std::to_string(not_finite) + " in " +
-                                       mesh_text(model_.nodes[instance.node].mesh) + " under " +
-                                       node_text(instance.node));
+            work_.not_finite.push_back(fmt::format("{} in {} under {}", not_finite,
+                                                   mesh_text(model_.nodes[instance.node].mesh),
+                                                   node_text(instance.node)));
         }
     }
 

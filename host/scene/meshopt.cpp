@@ -43,18 +43,17 @@ bool decode(const MeshoptView& v, const unsigned char* from, unsigned char* to) 
 
 void unpack_meshopt(tinygltf::Model& model, const std::vector<MeshoptView>& views, DecodingBudget& budget) {
     for (const MeshoptView& v : views) {
-        const std::string what = "bufferViews[" + std::to_string(v.view) + "]";
+        const std::string what = fmt::format("bufferViews[{}]", v.view);
         if (const char* rule = broken_rule(v))
             fail(budget.file, what + ".extensions.EXT_meshopt_compression in mode " + v.mode + " needs " + rule);
         const std::vector<unsigned char>& packed = model.buffers[v.buffer].data;
         if (v.byte_offset > packed.size() || v.byte_length > packed.size() - v.byte_offset)
-            fail(budget.file, what + ".extensions.EXT_meshopt_compression reads beyond buffers[" +
-                                  std::to_string(v.buffer) + "], which has " + counted(packed.size(), "byte"));
+            fail(budget.file, "{}.extensions.EXT_meshopt_compression reads beyond buffers[{}], which has {}", what,
+                 v.buffer, counted(packed.size(), "byte"));
         budget.charge(what, v.count, v.byte_stride);
         if (v.count * v.byte_stride != model.bufferViews[v.view].byteLength)
-            fail(budget.file, what + " has " + counted(model.bufferViews[v.view].byteLength, "byte") +
-                                  ", but its EXT_meshopt_compression " + std::to_string(v.count) + " times " +
-                                  std::to_string(v.byte_stride));
+            fail(budget.file, "{} has {}, but its EXT_meshopt_compression {} times {}", what,
+                 counted(model.bufferViews[v.view].byteLength, "byte"), v.count, v.byte_stride);
         tinygltf::Buffer unpacked;
         const bool is_short = is_too_short(v);
         if (!is_short) unpacked.data.resize(v.count * v.byte_stride);

@@ -36,7 +36,7 @@ std::string word_or_quotes(std::string_view name) {
 }
 
 std::string counted(std::size_t count, std::string_view thing) {
-    return std::to_string(count) + " " + std::string(thing) + (count == 1 ? "" : "s");
+    return fmt::format("{} {}{}", count, thing, count == 1 ? "" : "s");
 }
 
 std::string listed(const std::vector<std::string>& entries, std::size_t most) {
@@ -45,7 +45,7 @@ std::string listed(const std::vector<std::string>& entries, std::size_t most) {
         if (i > 0) out += ", ";
         out += entries[i];
     }
-    if (entries.size() > most) out += " and " + std::to_string(entries.size() - most) + " more";
+    if (entries.size() > most) out += fmt::format(" and {} more", entries.size() - most);
     return out;
 }
 

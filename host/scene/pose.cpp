@@ -86,15 +86,15 @@ std::vector<double> Pose::morph_weights(int index) const {
 
 std::vector<glm::dmat4> Pose::joints(int index, Accessors& accessors) {
     const tinygltf::Skin& skin = model_.skins[std::size_t(index)];
-    const std::string what = "skins[" + std::to_string(index) + "]";
+    const std::string what = fmt::format("skins[{}]", index);
     const Elements* inverse_bind = nullptr;
     if (const int matrices = skin.inverseBindMatrices; matrices >= 0) {
         accessors.require(matrices, TINYGLTF_TYPE_MAT4, std::array{TINYGLTF_COMPONENT_TYPE_FLOAT},
                           "the inverse bind matrices of " + what, "MAT4 of float");
         inverse_bind = &accessors.elements(matrices);
         if (inverse_bind->count < skin.joints.size())
-            fail(file_, what + " has " + counted(skin.joints.size(), "joint") + ", but only " +
-                            std::to_string(inverse_bind->count) + " inverse bind matrices");
+            fail(file_, "{} has {}, but only {} inverse bind matrices", what, counted(skin.joints.size(), "joint"),
+                 inverse_bind->count);
     }
     std::vector<glm::dmat4> out;
     for (std::size_t joint = 0; joint < skin.joints.size(); ++joint) {

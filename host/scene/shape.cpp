@@ -80,8 +80,7 @@ Double3 Shape::skinned(std::size_t vertex, const Double3& p) const {
             if (weight == 0) continue;
             const std::uint32_t joint = joints->index(vertex, i);
             if (joint >= joints_->size())
-                fail(file_, what_ + " names joint " + std::to_string(joint) + ", but its skin has " +
-                                counted(joints_->size(), "joint"));
+                fail(file_, "{} names joint {}, but its skin has {}", what_, joint, counted(joints_->size(), "joint"));
             sum += weight * ((*joints_)[joint] * glm::dvec4(p[0], p[1], p[2], 1));
             weights += weight;
         }

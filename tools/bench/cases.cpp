@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "cases.hpp"
 
+#include <fmt/core.h>
 #include <stb_image.h>
 
 #include <charconv>
@@ -56,12 +57,12 @@ scene::Scene made(const std::string& recipe_name, const std::string& count) {
     for (const make_scenes::Recipe& recipe : make_scenes::recipes()) {
         if (recipe.name != recipe_name) continue;
         if (triangles < recipe.fewest_triangles || triangles > recipe.most_triangles)
-            throw InvalidArgument(recipe_name + " takes " + std::to_string(recipe.fewest_triangles) + " to " +
-                                  std::to_string(recipe.most_triangles) + " triangles, not " + count);
+            throw InvalidArgument(fmt::format("{} takes {} to {} triangles, not {}", recipe_name,
+                                              recipe.fewest_triangles, recipe.most_triangles, count));
         make_scenes::Scene scene = recipe.make({triangles, 1});
         scene.name = recipe.name;
-        const auto file = std::filesystem::temp_directory_path() /
-                          ("gnomon_bench_" + std::to_string(std::random_device{}()) + ".glb");
+        const auto file =
+            std::filesystem::temp_directory_path() / fmt::format("gnomon_bench_{}.glb", std::random_device{}());
         make_scenes::write_glb(scene, file);
         struct Remover {
             const std::filesystem::path& file;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "contestant.hpp"
 
+#include <fmt/core.h>
 #include <cstdio>
 
 namespace gnomon::bench {
@@ -48,9 +49,7 @@ std::string hash_of(std::span<const Value> values) {
     for (const unsigned char byte :
          std::span(reinterpret_cast<const unsigned char*>(values.data()), values.size_bytes()))
         hash = (hash ^ byte) * 1099511628211ull;
-    char text[17];
-    std::snprintf(text, sizeof(text), "%016llx", static_cast<unsigned long long>(hash));
-    return text;
+    return fmt::format("{:016x}", hash);
 }
 template std::string hash_of(std::span<const float>);
 template std::string hash_of(std::span<const std::uint32_t>);

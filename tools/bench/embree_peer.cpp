@@ -9,6 +9,7 @@
 //   low build            indexed vertices 9.3 ms, three of its own for each triangle 12.2; a scene that is kept and
 //                        built again 9.5; the flag `dynamic` 8.9
 // Without effect: denormals as zeros, -march=native, an atomic counter per 32 x 32 pixels or per 1024 rays.
+#include <fmt/core.h>
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -68,11 +69,7 @@ std::vector<std::uint8_t> srgb_table() {
     return table;
 }
 
-std::string text_of(double offset) {
-    char text[16];
-    std::snprintf(text, sizeof(text), "%g", offset);
-    return text;
-}
+std::string text_of(double offset) { return fmt::format("{:g}", offset); }
 
 /// What all of a view's contestants share. Their runs follow each other, so the buffers are shared too.
 struct Shared {

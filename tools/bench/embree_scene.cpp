@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "embree_scene.hpp"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -75,7 +76,7 @@ Mesh::Mesh(const scene::Scene& scene, unsigned threads) : scene_(scene), diagona
             indices_[is_masked].push_back(welder.index_of(&triangles[9 * id + 3 * corner], vertices_));
         if (!cut_outs.empty()) ids_[is_masked].push_back(std::uint32_t(id));
     }
-    device_ = rtcNewDevice(("threads=" + std::to_string(threads)).c_str());
+    device_ = rtcNewDevice(fmt::format("threads={}", threads).c_str());
     if (device_ == nullptr) throw Error("Embree could not be started");
     rtcSetDeviceMemoryMonitorFunction(
         device_,
@@ -151,7 +152,7 @@ std::unique_ptr<Scene> Mesh::build(const Build& build) {
     if (!indices_[1].empty()) attach(scene, build, 1);
     rtcCommitScene(scene);
     if (const RTCError error = rtcGetDeviceError(device_); error != RTC_ERROR_NONE)
-        throw Error("Embree could not build its tree: error " + std::to_string(error));
+        throw Error(fmt::format("Embree could not build its tree: error {}", error));
     return std::make_unique<Scene>(scene, static_cast<std::uint64_t>(std::max<std::int64_t>(0, bytes_ - before)));
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "experiments.hpp"
 
+#include <fmt/core.h>
 #include <algorithm>
 
 namespace gnomon::bench {
@@ -30,7 +31,7 @@ Limits of_sweeps(Limits limits) {
 }
 
 std::string made(const char* recipe, std::uint64_t triangles, const Limits& limits) {
-    return std::string(recipe) + ":" + std::to_string(std::min(triangles, limits.largest_triangles));
+    return fmt::format("{}:{}", recipe, std::min(triangles, limits.largest_triangles));
 }
 
 // Scenes with views: the two of the folder if they are there, else a made one in their place.

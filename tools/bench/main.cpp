@@ -8,6 +8,7 @@
 // Times are from resident triangles and points to the resident mask: median, quartile distance and number of runs after
 // warm-up, wall clock on a queue that does not profile; the stage breakdown comes from a second device object that
 // does. Every row carries the hash of its mask and of its shading points, so a time is never seen without its result.
+#include <fmt/core.h>
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <cstdlib>
@@ -172,11 +173,11 @@ bool all_well(const std::vector<Row>& rows) {
     for (const Row& row : rows) {
         if (!row.failed.empty()) complain(row, row.failed);
         if (row.exact && row.errors && row.errors->wrong() != 0)
-            complain(row, std::to_string(row.errors->wrong()) + " points differ from the exact technique's defaults");
+            complain(row, fmt::format("{} points differ from the exact technique's defaults", row.errors->wrong()));
         if (row.exact && row.oracle && row.oracle->wrong != 0)
-            complain(row, std::to_string(row.oracle->wrong) + " points differ from the oracle");
+            complain(row, fmt::format("{} points differ from the oracle", row.oracle->wrong));
         if (row.exact && row.oracle && row.oracle->wrong_rays != 0)
-            complain(row, std::to_string(row.oracle->wrong_rays) + " of the camera's rays differ from the oracle");
+            complain(row, fmt::format("{} of the camera's rays differ from the oracle", row.oracle->wrong_rays));
         if (!row.exact || !row.failed.empty()) continue;
         // Means of other samples, per pixel or of the sun's disk, are other masks.
         const std::string samples = !row.settings.empty() && row.settings.back().first.ends_with("samples")

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "many_lights.hpp"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <bit>
 #include <charconv>
@@ -382,7 +383,7 @@ LightsQuestion::LightsQuestion(const Place& place, const ManyLights& asked) : sc
     for (const Light& light : lights.lights())
         directions.insert(directions.end(), light.xyzw.begin(), light.xyzw.end());
     const std::string columns =
-        asked.columns > 1 ? ", in one of " + std::to_string(asked.columns) + " columns" : std::string();
+        asked.columns > 1 ? fmt::format(", in one of {} columns", asked.columns) : std::string();
     row.pairs = LightPairs{count(),
                            lights.count(),
                            facing_pairs(*this),

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "row.hpp"
 
+#include <fmt/core.h>
 #include <algorithm>
 
 namespace gnomon::bench {
@@ -45,8 +46,6 @@ void Row::set_runs(std::vector<FrameTimes> made, bool are_frames) {
 
 std::string Row::name() const { return settings.empty() ? technique : technique + " " + text_of(settings); }
 
-std::string Row::view_name() const {
-    return scene + " " + view + "." + light + " " + std::to_string(width) + "x" + std::to_string(height);
-}
+std::string Row::view_name() const { return fmt::format("{} {}.{} {}x{}", scene, view, light, width, height); }
 
 }  // namespace gnomon::bench

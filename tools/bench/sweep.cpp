@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "sweep.hpp"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -116,8 +117,7 @@ std::vector<Configuration> soft_configurations(double sun_angle_degrees, std::ui
         if (family.name != "filtered maps") continue;
         for (const std::string& technique : family.techniques) configurations.push_back({technique, {}});
     }
-    char tangent[32];
-    std::snprintf(tangent, sizeof(tangent), "%.9g", std::tan(sun_angle_degrees * (std::numbers::pi / 180)));
+    const std::string tangent = fmt::format("{:.9g}", std::tan(sun_angle_degrees * (std::numbers::pi / 180)));
     for (Configuration& configuration : configurations)
         if (configuration.technique == "pcss") configuration.settings.emplace_back("light-size", tangent);
     return configurations;

@@ -2,6 +2,7 @@
 // The list of cases. See cases.hpp.
 #include "cases.hpp"
 
+#include <fmt/core.h>
 #include <cmath>
 
 #include "scenes.hpp"
@@ -327,11 +328,7 @@ void add_lattices(std::vector<Case>& list, std::uint64_t seed) {
 void add_places(std::vector<Case>& list, std::uint64_t seed) {
     const std::vector<MakePoints> points = {points_in_the_cube, points_near_triangles, points_on_rays,
                                             points_of_a_view};
-    const auto text = [](const char* what, double x) {
-        char name[40];
-        std::snprintf(name, sizeof(name), "%s %g", what, x);
-        return std::string(name);
-    };
+    const auto text = [](const char* what, double x) { return fmt::format("{} {:g}", what, x); };
     for (const double offset : {1e3, 1e4, 1e5, 1e6, 1e7})
         list.push_back({text("moved by", offset), "soup, cubes and a sphere, far from the origin",
                         [=](auto v) {
@@ -378,7 +375,7 @@ void add_made_scenes(std::vector<Case>& list, const CaseOptions& options) {
     };
     for (const Made& made : scenes)
         list.push_back({made.name, made.idea, [=](auto) { return lit(made.recipe, 0); }, scene_points, 0.5, 2});
-    list.push_back({std::to_string(options.slivers) + " slivers",
+    list.push_back({fmt::format("{} slivers", options.slivers),
                     "all through one texel, a few millimetres wide",
                     [=, count = options.slivers](auto) {
                         Subject subject = lit("million_slivers", count);
@@ -447,7 +444,7 @@ void add_borders(std::vector<Case>& list, const CaseOptions& options) {
                     {view_of(1, 1), view_of(257, 1), view_of(1, 257)},
                     0});
     const std::uint32_t side = options.longest_side;
-    list.push_back({std::to_string(side) + " x " + std::to_string(side),
+    list.push_back({fmt::format("{} x {}", side, side),
                     "a view that large, and strips as long",
                     [=](auto v) {
                         Subject subject = placed_subject(medley(seed + v));

@@ -2,6 +2,7 @@
 // See exact_path.hpp.
 #include "exact_path.hpp"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <limits>
 
@@ -14,11 +15,9 @@ namespace {
 constexpr int RUNS = 15;
 
 std::string name_of(const Light& light) {
-    char text[64];
     const float sign = light[3] == 0 ? -1.0f : 1.0f;
-    std::snprintf(text, sizeof(text), "%s (%g, %g, %g)", light[3] == 0 ? "along" : "at", double(sign * light[0] + 0),
-                  double(sign * light[1] + 0), double(sign * light[2] + 0));
-    return text;
+    return fmt::format("{} ({:g}, {:g}, {:g})", light[3] == 0 ? "along" : "at", sign * light[0] + 0,
+                       sign * light[1] + 0, sign * light[2] + 0);
 }
 
 ExactPathRow measured(const gnomon::Device& device, const gnomon::Triangles& triangles, const Viewpoint& from,

@@ -2,40 +2,29 @@
 // See report.hpp.
 #include "report.hpp"
 
+#include <fmt/core.h>
 #include <cmath>
-#include <cstdio>
 #include <ctime>
 #include <fstream>
 #include <thread>
 
 #include "embree.hpp"
+#include "measure/grouped.hpp"
 
 namespace stress {
 namespace {
 
-/// With a comma between thousands.
-std::string grouped(std::uint64_t value) {
-    std::string text = std::to_string(value);
-    for (auto i = static_cast<std::ptrdiff_t>(text.size()) - 3; i > 0; i -= 3)
-        text.insert(static_cast<std::size_t>(i), 1, ',');
-    return text;
-}
+using gnomon::grouped;
 
 /// `part` of `whole` in percent, with two digits that say something; nothing of nothing is a dash.
 std::string percent(std::uint64_t part, std::uint64_t whole) {
     if (whole == 0) return "-";
     if (part == 0) return "0";
-    char text[32];
     const double value = 100.0 * double(part) / double(whole);
-    std::snprintf(text, sizeof(text), value >= 10 ? "%.1f %%" : "%.2g %%", value);
-    return text;
+    return value >= 10 ? fmt::format("{:.1f} %", value) : fmt::format("{:.2g} %", value);
 }
 
-std::string fixed(double value, int digits) {
-    char text[32];
-    std::snprintf(text, sizeof(text), "%.*f", digits, value);
-    return text;
-}
+std::string fixed(double value, int digits) { return fmt::format("{:.{}f}", value, digits); }
 
 std::string processor() {
     std::ifstream stream("/proc/cpuinfo");
@@ -157,27 +146,23 @@ Tally Report::sum() const {
 
 std::string line_of(const CaseResult& result) {
     const Tally& t = result.tally;
-    char text[400];
-    std::snprintf(
-        text, sizeof(text),
-        "%-32s %12s points %5s point light %7s shadow  wrong %llu  plain %-9s open %-9s gnomon %.1f s  oracle %.1f s  "
-        "plain %.1f s  embree %.1f s",
-        result.name.c_str(), grouped(t.points).c_str(), percent(t.positional, t.points).c_str(),
-        percent(t.shadowed, t.points).c_str(), static_cast<unsigned long long>(t.wrong),
-        (t.has_plain ? grouped(t.plain_wrong) : "-").c_str(), percent(t.open_pairs, t.pairs).c_str(), t.gnomon_seconds,
-        t.oracle_seconds, t.plain_seconds, t.embree_seconds);
-    return text + (t.first_wrong.empty() ? std::string() : "\n    " + t.first_wrong);
+    const std::string text = fmt::format(
+        "{:<32} {:>12} points {:>5} point light {:>7} shadow  wrong {}  plain {:<9} open {:<9} gnomon {:.1f} s  oracle "
+        "{:.1f} s  plain {:.1f} s  embree {:.1f} s",
+        result.name, grouped(t.points), percent(t.positional, t.points), percent(t.shadowed, t.points), t.wrong,
+        t.has_plain ? grouped(t.plain_wrong) : "-", percent(t.open_pairs, t.pairs), t.gnomon_seconds, t.oracle_seconds,
+        t.plain_seconds, t.embree_seconds);
+    return t.first_wrong.empty() ? text : text + "\n    " + t.first_wrong;
 }
 
 std::string markdown(const Report& report) {
     const Tally sum = report.sum();
-    std::string text = "# The stress suite\n\nMade by one command, " + today() + ":\n\n    " + report.command + "\n\n" +
-                       grouped(sum.points) + " points, each asked of gnomon and of the oracle " +
-                       "(`tests/reference/`: exact, independent, no shared code): **" + grouped(sum.wrong) +
-                       " wrong**. Seed " + std::to_string(report.options.seed) + ", " + std::to_string(sum.questions) +
-                       " questions, " + fixed(report.seconds / 60, 1) + " minutes. gnomon ran on " + report.device +
-                       " (driver " + report.driver + "), the others on " +
-                       std::to_string(std::thread::hardware_concurrency()) + " threads of " + processor() + ".\n";
+    std::string text = fmt::format(
+        "# The stress suite\n\nMade by one command, {}:\n\n    {}\n\n{} points, each asked of gnomon and of the oracle "
+        "(`tests/reference/`: exact, independent, no shared code): **{} wrong**. Seed {}, {} questions, {} minutes. "
+        "gnomon ran on {} (driver {}), the others on {} threads of {}.\n",
+        today(), report.command, grouped(sum.points), grouped(sum.wrong), report.options.seed, sum.questions,
+        fixed(report.seconds / 60, 1), report.device, report.driver, std::thread::hardware_concurrency(), processor());
     text += "\n## Wrong answers\n\n" + who_answered(sum) + "\n" + answers_table(report) + "\n" + closed_meshes(sum);
     text +=
         "\n## Who decided\n\nShares of the points that face away or that the map decided, and of the pairs of a point "

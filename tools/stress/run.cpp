@@ -2,6 +2,8 @@
 // See run.hpp.
 #include "run.hpp"
 
+#include <fmt/core.h>
+
 namespace stress {
 
 CaseResult run_case(const Case& a_case, const gnomon::Device& device, Judge& judge, const RunOptions& options) {
@@ -28,8 +30,8 @@ CaseResult run_case(const Case& a_case, const gnomon::Device& device, Judge& jud
             std::vector<std::pair<std::string, std::string>> settings;
             if (random.below(2) == 0) settings.emplace_back("conservative-map", "on");
             judge.ask(question, settings,
-                      a_case.name + ", variant " + std::to_string(variant) + ", light " + std::to_string(light) +
-                          ", points " + std::to_string(maker) + ", seed " + std::to_string(options.seed),
+                      fmt::format("{}, variant {}, light {}, points {}, seed {}", a_case.name, variant, light, maker,
+                                  options.seed),
                       tally);
         }
     }

@@ -2,6 +2,7 @@
 // See scenes.hpp.
 #include "scenes.hpp"
 
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -55,7 +56,7 @@ Subject made_scene(std::string_view name, std::uint64_t seed, std::uint32_t tria
     using namespace gnomon::make_scenes;
     const auto recipe = std::ranges::find(recipes(), name, &Recipe::name);
     if (recipe == recipes().end()) throw std::invalid_argument("there is no scene " + std::string(name));
-    const auto file = std::filesystem::temp_directory_path() / ("stress_" + std::to_string(getpid()) + ".glb");
+    const auto file = std::filesystem::temp_directory_path() / fmt::format("stress_{}.glb", getpid());
     write_glb(recipe->make({triangles != 0 ? triangles : recipe->default_triangles, seed}), file);
     Subject subject = subject_of(file);
     std::filesystem::remove(file);
