@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "suns.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -59,10 +61,9 @@ std::string time_text(double days_since_2000, double utc_offset_hours) {
     const year_month_day date(floor<days>(at));
     const hh_mm_ss time(at - floor<days>(at));
     const int minutes_ahead = int(std::lround(utc_offset_hours * 60));
-    return formatted("%04d-%02u-%02uT%02d:%02d:%02d%c%02d:%02d", int(date.year()), unsigned(date.month()),
-                     unsigned(date.day()), int(time.hours().count()), int(time.minutes().count()),
-                     int(time.seconds().count()), minutes_ahead < 0 ? '-' : '+', std::abs(minutes_ahead) / 60,
-                     std::abs(minutes_ahead) % 60);
+    return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}{}{:02}:{:02}", int(date.year()), unsigned(date.month()),
+                       unsigned(date.day()), time.hours().count(), time.minutes().count(), time.seconds().count(),
+                       minutes_ahead < 0 ? '-' : '+', std::abs(minutes_ahead) / 60, std::abs(minutes_ahead) % 60);
 }
 
 /// The row's x, y, z in a scene whose y points up.
@@ -190,7 +191,7 @@ std::string table_text(const SunTable& table) {
     if (!has_angles) text = "time,x,y,z,up,weight\n";
     for (const Sun& sun : table.suns) {
         text += sun.time + ",";
-        if (has_angles) text += formatted("%.9f,%.9f,", *sun.azimuth_degrees, *sun.elevation_degrees);
+        if (has_angles) text += fmt::format("{:.9f},{:.9f},", *sun.azimuth_degrees, *sun.elevation_degrees);
         text += float3_text(sun.direction) + ",y," + float_text(sun.weight) + "\n";
     }
     return text;

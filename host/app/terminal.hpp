@@ -26,13 +26,6 @@ void print_result(std::string_view text);
 /// A file of host/app/ that was built into the command: "help/main.txt".
 std::string_view text_file(std::string_view name);
 
-/// printf's text, for suns.cpp.
-template <typename... Values>
-std::string formatted(const char* format, Values... values) {
-    std::string text(std::size_t(std::snprintf(nullptr, 0, format, values...)), '\0');
-    std::snprintf(text.data(), text.size() + 1, format, values...);
-    return text;
-}
 /// 1536000 as "1.5 MiB".
 std::string bytes_for_people(std::uint64_t bytes);
 
