@@ -27,7 +27,7 @@ work=/tmp/gnomon_device
 packages=(
     ocl-icd-libopencl1 ocl-icd-opencl-dev opencl-c-headers opencl-clhpp-headers  # OpenCL's loader and headers
     libtinygltf-dev libtinygltf2d libstb0 libstb-dev nlohmann-json3-dev libcli11-dev  # scene loader and tools
-    libglm-dev libmeshoptimizer-dev libmeshoptimizer2d                           # the scene loader's poses, packed scenes
+    libmeshoptimizer-dev libmeshoptimizer2d                                      # packed scenes
     libfmt-dev libfmt9                                                           # its sentences
     libgtest-dev libboost1.74-dev libgmp-dev libgmp10 libgmpxx4ldbl              # tests and references
 )

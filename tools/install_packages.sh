@@ -9,7 +9,7 @@ run_packages=(
     g++ cmake ninja-build          # the build
     ocl-icd-opencl-dev             # OpenCL headers and loader: all that the core library needs
     pocl-opencl-icd                # an OpenCL device for every CPU; a GPU's driver brings its own
-    libtinygltf-dev libglm-dev nlohmann-json3-dev libcli11-dev  # the command: scenes, statistics, options
+    libtinygltf-dev nlohmann-json3-dev libcli11-dev  # the command: scenes, statistics, options
     libfmt-dev                     # the command: sentences
     libmeshoptimizer-dev           # the command: packed scenes, as scenes/sponza.glb is
     libdraco-dev                   # optional: meshes that Draco compressed

@@ -11,10 +11,7 @@ namespace gnomon::app {
 namespace {
 
 /// edge_a x edge_b, as long as its area.
-Double3 area_vector(const AreaLight& source) {
-    return cross({source.edge_a[0], source.edge_a[1], source.edge_a[2]},
-                 {source.edge_b[0], source.edge_b[1], source.edge_b[2]});
-}
+glm::dvec3 area_vector(const AreaLight& source) { return cross(loaded(source.edge_a), loaded(source.edge_b)); }
 
 /// The three sums of one point.
 struct Sums {
@@ -23,11 +20,11 @@ struct Sums {
 
 class LitPoint {
 public:
-    LitPoint(const Double3& area, const float* position, const float* normal)
-        : area_(area), position_{position[0], position[1], position[2]}, normal_{normal[0], normal[1], normal[2]} {}
+    LitPoint(const glm::dvec3& area, const float* position, const float* normal)
+        : area_(area), position_(loaded(position)), normal_(loaded(normal)) {}
 
     void add(const Light& sample, bool reaches, Sums& sums) const {
-        const Double3 l{sample.xyzw[0] - position_[0], sample.xyzw[1] - position_[1], sample.xyzw[2] - position_[2]};
+        const glm::dvec3 l = loaded(sample.xyzw.data()) - position_;
         const double square = dot(l, l);
         if (square == 0) return;
         // area . l = |area| r cosine, so f times the area is this over r^3.
@@ -39,27 +36,22 @@ public:
     }
 
 private:
-    const Double3& area_;
-    Double3 position_, normal_;
+    const glm::dvec3& area_;
+    glm::dvec3 position_, normal_;
 };
 
 }  // namespace
 
-Float3 AreaLight::centre() const {
-    Float3 at{};
-    for (std::size_t c = 0; c < 3; ++c)
-        at[c] = static_cast<float>(corner[c] + 0.5 * (double(edge_a[c]) + double(edge_b[c])));
-    return at;
-}
+Float3 AreaLight::centre() const { return array_of(loaded(corner) + 0.5 * (loaded(edge_a) + loaded(edge_b))); }
 
 void AreaLight::require_area() const {
-    const Double3 area = area_vector(*this);
+    const glm::dvec3 area = area_vector(*this);
     if (!(dot(area, area) > 0)) throw Error("the area light has no area: its two edges must not be parallel");
 }
 
 ReceivedLight received_light(const AreaLight& source, const Lights& lights, const ViewOnHost& view,
                              const std::vector<std::uint32_t>& bits) {
-    const Double3 area = area_vector(source);
+    const glm::dvec3 area = area_vector(source);
     const std::size_t count = view.receiver.size(), samples = lights.count(), words = (samples + 31) / 32;
     ReceivedLight light;
     for (auto* values : {&light.share, &light.irradiance, &light.brightness}) values->assign(count, 0.0f);

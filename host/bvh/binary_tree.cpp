@@ -24,10 +24,9 @@ TriangleCurve::TriangleCurve(cl::Session& session, const TriangleInputs& triangl
     largest_coordinate_ = box->largest();
     cl::Buffer codes(session, layout.count * sizeof(cl_uint));
     numbers_.reserve(session, layout.count * sizeof(cl_uint));
-    session.launch("occluders/clusters.cl", "cluster_codes", cl::Range::items(layout.count),
-                   morton_grid(box->low, box->high, MORTON_BITS),
-                   ClusterParams{.triangles = layout, .cluster_count = 0, .has_pyramid = 0}, triangles.vertices, codes,
-                   numbers_);
+    session.launch(
+        "occluders/clusters.cl", "cluster_codes", cl::Range::items(layout.count), morton_grid(*box, MORTON_BITS),
+        ClusterParams{.triangles = layout, .cluster_count = 0, .has_pyramid = 0}, triangles.vertices, codes, numbers_);
     Sort().run(session, layout.count, codes, numbers_);
 }
 

@@ -33,10 +33,9 @@ bool WideBvh::build(const TriangleInputs& triangles, const TriangleCurve& curve,
         std::vector<float> node(BVH_NODE_ROWS * width, 0.0f);
         std::fill_n(node.begin(), 3 * width, infinite);
         std::fill_n(node.begin() + 3 * width, 3 * width, -infinite);
-        nodes_.reserve(session, node.size() * sizeof(float));
+        session.upload(nodes_, node);
         leaves_.reserve(session, 0);
         ids_.reserve(session, 0);
-        session.write(nodes_.get(), node.data(), node.size() * sizeof(float));
         return true;
     }
     const BinaryTree binary(session, triangles, curve, width, is_balanced);

@@ -15,7 +15,7 @@ namespace {
 // A double as the sum of two floats, to 48 bits. The volatile is needed: g++ 12 at -O2 and above vectorizes the loop
 // and drops the rounding of double(float(v)), so that `low` became 0 (seen here: two pixels of Sponza moved by 600
 // ulp).
-void append_split(std::vector<float>& rays, const Double3& v) {
+void append_split(std::vector<float>& rays, const glm::dvec3& v) {
     std::array<float, 3> high, low;
     for (int i = 0; i < 3; ++i) {
         volatile float rounded = static_cast<float>(v[i]);
@@ -26,25 +26,21 @@ void append_split(std::vector<float>& rays, const Double3& v) {
     rays.insert(rays.end(), low.begin(), low.end());
 }
 
-double determinant(const Camera& camera) { return dot(camera.right, cross(camera.up, camera.forward)); }
+double volume_of(const Camera& camera) {
+    return determinant(loaded(camera.right), loaded(camera.up), loaded(camera.forward));
+}
 
 // Refuses a camera with axes that are not of about unit length or do not span space, or with an impossible angle.
 void require_camera(const Camera& camera) {
-    for (const float c : camera.eye)
-        if (!std::isfinite(c)) throw InvalidArgument("the camera's eye must be finite numbers");
-    for (const Double3& axis : {camera.right, camera.up, camera.forward}) {
-        const double length = std::sqrt(dot(axis, axis));
+    if (!is_finite(camera.eye)) throw InvalidArgument("the camera's eye must be finite numbers");
+    for (const auto& axis : {camera.right, camera.up, camera.forward}) {
+        const double length = glm::length(loaded(axis));
         if (!(length > 0.5 && length < 2)) throw InvalidArgument("the camera's axes must be unit vectors");
     }
-    if (!(std::fabs(determinant(camera)) > 0.01))
+    if (!(std::fabs(volume_of(camera)) > 0.01))
         throw InvalidArgument("the camera's right, up and forward must not lie in one plane");
     if (!(camera.fov_y_radians > 0 && camera.fov_y_radians < 3.14159265358979))
         throw InvalidArgument("the camera's vertical field of view must lie between 0 and 180 degrees");
-}
-
-void set_row(float* row, double a, const Double3& u, double b, const Double3& v) {
-    for (int i = 0; i < 3; ++i) row[i] = static_cast<float>(a * u[i] + b * v[i]);
-    row[3] = 0.0f;
 }
 
 // A pixel's side at distance 1. Pixels are square: aspect tan(fov / 2) / half the width is the same.
@@ -94,13 +90,13 @@ Projection camera_projection(const Camera& camera, std::uint32_t width, std::uin
     p.light[3] = 1.0f;
     // With d = a right + b up + c forward:  X = a / (pixel c) + half_width,  Y = half_height - b / (pixel c),  W = c.
     // a, b, c by the dual basis, so that axes need not be orthogonal.
-    const double volume = determinant(camera);
-    const Double3 dual_right = scaled(cross(camera.up, camera.forward), 1 / volume);
-    const Double3 dual_up = scaled(cross(camera.forward, camera.right), 1 / volume);
-    const Double3 dual_forward = scaled(cross(camera.right, camera.up), 1 / volume);
-    set_row(p.row_x, 1 / pixel, dual_right, half_width, dual_forward);
-    set_row(p.row_y, -1 / pixel, dual_up, half_height, dual_forward);
-    set_row(p.row_z, 1, dual_forward, 0, dual_forward);
+    const double volume = volume_of(camera);
+    const glm::dvec3 right = loaded(camera.right), up = loaded(camera.up), forward = loaded(camera.forward);
+    const glm::dvec3 dual_right = cross(up, forward) * (1 / volume), dual_up = cross(forward, right) * (1 / volume);
+    const glm::dvec3 dual_forward = cross(right, up) * (1 / volume);
+    store(p.row_x, 1 / pixel * dual_right + half_width * dual_forward);
+    store(p.row_y, -1 / pixel * dual_up + half_height * dual_forward);
+    store(p.row_z, dual_forward);
     // The rows hold the duals of right, -up and forward, and the dual basis has the basis's orientation.
     p.handedness = volume > 0 ? -1.0f : 1.0f;
     p.width = width;
@@ -118,12 +114,10 @@ PictureRays picture_rays(const Camera& camera, std::uint32_t width, std::uint32_
     const double half_width = width / 2.0, half_height = height / 2.0;
     const double pixel = pixel_size(camera, height);
     PictureRays picture{};
-    for (int i = 0; i < 3; ++i) {
-        picture.corner[i] = static_cast<float>(camera.forward[i] - half_width * pixel * camera.right[i] +
-                                               half_height * pixel * camera.up[i]);
-        picture.step_x[i] = static_cast<float>(pixel * camera.right[i]);
-        picture.step_y[i] = static_cast<float>(-pixel * camera.up[i]);
-    }
+    const glm::dvec3 right = loaded(camera.right), up = loaded(camera.up);
+    store(picture.corner, loaded(camera.forward) - half_width * pixel * right + half_height * pixel * up);
+    store(picture.step_x, pixel * right);
+    store(picture.step_y, -pixel * up);
     return picture;
 }
 
@@ -134,17 +128,9 @@ std::vector<float> camera_rays(const Camera& camera, std::uint32_t width, std::u
     const double sample_x = 0.5 + double(offset.x) / SAMPLE_UNITS, sample_y = 0.5 + double(offset.y) / SAMPLE_UNITS;
     std::vector<float> rays;
     rays.reserve((std::size_t(width) + height) * RAY_FLOATS);
-    for (std::uint32_t x = 0; x < width; ++x) {
-        Double3 column;
-        for (int i = 0; i < 3; ++i)
-            column[i] = camera.forward[i] + (x + sample_x - half_width) * pixel * camera.right[i];
-        append_split(rays, column);
-    }
-    for (std::uint32_t y = 0; y < height; ++y) {
-        Double3 row;
-        for (int i = 0; i < 3; ++i) row[i] = (half_height - (y + sample_y)) * pixel * camera.up[i];
-        append_split(rays, row);
-    }
+    const glm::dvec3 right = loaded(camera.right), up = loaded(camera.up), forward = loaded(camera.forward);
+    for (std::uint32_t x = 0; x < width; ++x) append_split(rays, forward + (x + sample_x - half_width) * pixel * right);
+    for (std::uint32_t y = 0; y < height; ++y) append_split(rays, (half_height - (y + sample_y)) * pixel * up);
     return rays;
 }
 
@@ -277,9 +263,7 @@ void CameraStage::make_points(const CameraParams& params, const PointSlice& out,
 
 void CameraStage::run(SampleOffset offset, cl_mem pixel_receivers, const PointSlice& out, Statistics& statistics) {
     const CameraParams params = params_of(offset, pixel_receivers != nullptr, out);
-    const std::vector<float> rays = camera_rays(camera_, width_, height_, offset);
-    rays_.reserve(session_, rays.size() * sizeof(float));
-    session_.write(rays_.get(), rays.data(), rays.size() * sizeof(float));
+    session_.upload(rays_, camera_rays(camera_, width_, height_, offset));
     fitted_ = fitted_ || triangles_.count == 0;
     // Lists grow until they fit. The host reads the counters after it has enqueued all stages, so that the device does
     // not wait; where a list was too short, the kernels see it and do nothing.
@@ -369,8 +353,7 @@ View look(const Device& device, const Triangles& triangles, const Camera& camera
 }
 
 Points lift(const Device& device, const Triangles& triangles, const Points& points, const Float3& eye) {
-    for (const float c : eye)
-        if (!std::isfinite(c)) throw InvalidArgument("the eye to lift points towards must be finite numbers");
+    if (!is_finite(eye)) throw InvalidArgument("the eye to lift points towards must be finite numbers");
     if (points.receivers() == nullptr) throw InvalidArgument("points without receivers have no plane to be lifted off");
     cl::Session& session = session_of(device);
     const TriangleInputs inputs = triangle_inputs(triangles);

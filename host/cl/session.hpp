@@ -182,6 +182,12 @@ public:
     void copy(const Buffer& from, std::size_t from_first, const Buffer& to, std::size_t to_first, std::size_t bytes);
     /// To byte `first` of the buffer.
     void write(cl_mem buffer, const void* data, std::size_t bytes, std::size_t first = 0);
+    /// Makes room for the values, and writes them.
+    template <typename Value>
+    void upload(Buffer& buffer, const std::vector<Value>& values) {
+        buffer.reserve(*this, values.size() * sizeof(Value));
+        write(buffer.get(), values.data(), values.size() * sizeof(Value));
+    }
     /// From byte `first` of the buffer.
     void read(cl_mem buffer, void* data, std::size_t bytes, std::size_t first = 0);
     /// Makes a buffer's bytes appear in the host's memory that the buffer was made of.

@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
+
+#include "lists/morton.hpp"
 
 namespace gnomon {
 namespace {
@@ -15,27 +18,17 @@ constexpr double near_distance = 32;
 // The half cells by which a region is wider than its strip: the rounding of coordinates, and FIELD_SNAP.
 constexpr double region_slack = 0.03;
 
-using Place = std::array<double, 2>;
-
 // The strip of a sector: middle + x across for |x| <= half_width, at a distance of 1.
 struct Strip {
-    Place middle, across;
+    glm::dvec2 middle, across;
     double half_width;
 
-    Place at(double q, double x) const { return {q * (middle[0] + x * across[0]), q * (middle[1] + x * across[1])}; }
+    glm::dvec2 at(double q, double x) const { return q * (middle + x * across); }
 };
 
 struct SectorTables {
     std::vector<HorizonSector> sectors;
     std::vector<HorizonStep> steps;
-};
-
-struct Range {
-    double low = HUGE_VAL, high = -HUGE_VAL;
-    void add(double value) {
-        low = std::min(low, value);
-        high = std::max(high, value);
-    }
 };
 
 // Returns no value if the bundle is no sector.
@@ -46,8 +39,8 @@ std::optional<Strip> strip_of(const LightBundle& bundle, std::uint32_t axis, dou
     Strip strip{{x / length, y / length}, {-y / length, x / length}, 0};
     for (std::uint32_t l = 0; l < bundle.light_count; ++l) {
         const auto coordinate = [&](std::uint32_t c) { return double(bundle.directions[(axis + c) % 3][l]); };
-        const double q = coordinate(1) * strip.middle[0] + coordinate(2) * strip.middle[1];
-        const double across = coordinate(1) * strip.across[0] + coordinate(2) * strip.across[1];
+        const glm::dvec2 direction(coordinate(1), coordinate(2));
+        const double q = dot(direction, strip.middle), across = dot(direction, strip.across);
         strip.half_width = std::max(strip.half_width, std::abs(across / q) + STRIP_MARGIN);
         sector.slopes[l] = float(coordinate(0) / q * slope_scale);
     }
@@ -56,17 +49,13 @@ std::optional<Strip> strip_of(const LightBundle& bundle, std::uint32_t axis, dou
 
 // The part of a strip from q to `end`.
 HorizonStep step_over(const Strip& strip, double q, double end, const std::vector<FieldLevel>& levels) {
-    Range x, y;
+    Rectangle region;
     for (const double distance : {q, end})
-        for (const double side : {-strip.half_width, strip.half_width}) {
-            const Place at = strip.at(distance, side);
-            x.add(at[0]);
-            y.add(at[1]);
-        }
-    const double width = std::max(x.high - x.low, y.high - y.low) + 2 * region_slack;
+        for (const double side : {-strip.half_width, strip.half_width}) region.add(strip.at(distance, side));
+    const double width = std::max(region.size().x, region.size().y) + 2 * region_slack;
     std::size_t level = 0;
     while (std::ldexp(1.0, int(level)) < width && level + 1 < levels.size()) ++level;
-    return {.low = {float(x.low - region_slack), float(y.low - region_slack)},
+    return {.low = {float(region.low.x - region_slack), float(region.low.y - region_slack)},
             .q = float(q),
             .q_inverse = float(1 / q),
             .end = float(end),
@@ -95,18 +84,18 @@ void add_steps(SectorTables& made, HorizonSector& sector, const Strip& strip, co
 }
 
 void set_major(HorizonSector& sector, const Strip& strip) {
-    sector.major = std::abs(strip.middle[0]) >= std::abs(strip.middle[1]) ? 0 : 1;
-    sector.forward = strip.middle[sector.major] > 0 ? 1 : -1;
-    Range minor, major;
+    const int major = std::abs(strip.middle.x) >= std::abs(strip.middle.y) ? 0 : 1;
+    sector.major = cl_uint(major);
+    sector.forward = strip.middle[major] > 0 ? 1 : -1;
+    Rectangle reach;  // across the major axis, and along it
     for (const double side : {-strip.half_width, strip.half_width}) {
-        const Place at = strip.at(1, side);
-        minor.add(at[1 - sector.major] / std::abs(at[sector.major]));
-        major.add(std::abs(at[sector.major]) / 2);
+        const glm::dvec2 at = strip.at(1, side);
+        reach.add({at[1 - major] / std::abs(at[major]), std::abs(at[major]) / 2});
     }
-    sector.least_minor = float(minor.low);
-    sector.most_minor = float(minor.high);
-    sector.least_major = float(major.low);
-    sector.most_major = float(major.high);
+    sector.least_minor = float(reach.low.x);
+    sector.most_minor = float(reach.high.x);
+    sector.least_major = float(reach.low.y);
+    sector.most_major = float(reach.high.y);
 }
 
 void add_sector(SectorTables& made, const LightBundle& bundle, const BuiltHeightField& built) {
@@ -116,30 +105,20 @@ void add_sector(SectorTables& made, const LightBundle& bundle, const BuiltHeight
     const auto strip = strip_of(bundle, field.axis, double(field.units) / field.halves, sector);
     if (strip) {
         sector.half_width = float(strip->half_width);
-        Range ranges[2];
-        double fastest = 0;
-        for (const double side : {-strip->half_width, strip->half_width})
-            for (int c = 0; c < 2; ++c) {
-                ranges[c].add(strip->at(1, side)[c]);
-                fastest = std::max(fastest, std::abs(strip->at(1, side)[c]));
-            }
+        Rectangle reach;
+        for (const double side : {-strip->half_width, strip->half_width}) reach.add(strip->at(1, side));
+        const glm::dvec2 fastest = max(abs(reach.low), abs(reach.high));
         for (int c = 0; c < 2; ++c) {
             sector.along[c] = float(strip->middle[c] * field.halves);
             sector.across[c] = float(strip->across[c] * field.halves);
-            sector.least[c] = float(ranges[c].low);
-            sector.most[c] = float(ranges[c].high);
+            sector.least[c] = float(reach.low[c]);
+            sector.most[c] = float(reach.high[c]);
         }
         set_major(sector, *strip);
-        sector.near_reach = float((2 * NEAR_CELLS - 0.1) / fastest);
+        sector.near_reach = float((2 * NEAR_CELLS - 0.1) / std::max(fastest.x, fastest.y));
         add_steps(made, sector, *strip, built.levels());
     }
     made.sectors.push_back(sector);
-}
-
-template <typename Entry>
-void upload(cl::Session& session, cl::Buffer& buffer, const std::vector<Entry>& entries) {
-    buffer.reserve(session, entries.size() * sizeof(Entry));
-    if (!entries.empty()) session.write(buffer.get(), entries.data(), entries.size() * sizeof(Entry));
 }
 
 }  // namespace
@@ -149,8 +128,8 @@ Horizons::Horizons(const LightsRun& run, const SortedPoints& sorted, const Built
     : run_(run), sorted_(sorted), field_(field), session_(session_of(run.device)), statistics_(statistics) {
     SectorTables tables;
     for (const LightBundle& bundle : bundles.bundles) add_sector(tables, bundle, field);
-    upload(session_, sectors_, tables.sectors);
-    upload(session_, steps_, tables.steps);
+    session_.upload(sectors_, tables.sectors);
+    session_.upload(steps_, tables.steps);
 }
 
 HorizonParams Horizons::params_of(const PointsLayout& points, const HorizonMasks& masks) const {

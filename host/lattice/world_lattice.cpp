@@ -7,6 +7,10 @@
 #include <cstdio>
 #include <limits>
 
+#include "lists/morton.hpp"
+#include "query/inputs.hpp"
+#include "query/vectors.hpp"
+
 namespace gnomon {
 namespace {
 
@@ -26,32 +30,20 @@ std::string text_of(const double* p) {
     return text;
 }
 
-struct Bounds {
-    std::array<double, 3> low, high;
-    bool is_empty() const { return !(low[0] <= high[0]); }
-    double centre(int c) const { return low[c] / 2 + high[c] / 2; }
-};
-
 // The bounds of the finite positions.
-Bounds bounds_of(std::span<const double> positions) {
-    constexpr double infinity = std::numeric_limits<double>::infinity();
-    Bounds b{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
-    for (std::size_t i = 0; i + 2 < positions.size(); i += 3) {
-        const double* p = &positions[i];
-        if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2])) continue;
-        for (int c = 0; c < 3; ++c) b.low[c] = std::min(b.low[c], p[c]), b.high[c] = std::max(b.high[c], p[c]);
-    }
-    return b;
+CoordinateBounds bounds_of(std::span<const double> positions) {
+    CoordinateBounds bounds;
+    for (std::size_t i = 0; i + 2 < positions.size(); i += 3)
+        if (is_finite(&positions[i])) bounds.add(loaded(&positions[i]));
+    return bounds;
 }
 
 // The finest step at which `bounds` lie within `steps` of an origin at their centre, and within the world's range.
-int finest_exponent(const Bounds& bounds, double steps) {
-    double reach = 0, farthest = 0;
-    for (int c = 0; c < 3 && !bounds.is_empty(); ++c) {
-        reach = std::max(reach, bounds.high[c] / 2 - bounds.low[c] / 2);
-        farthest = std::max({farthest, std::abs(bounds.low[c]), std::abs(bounds.high[c])});
-    }
+int finest_exponent(const CoordinateBounds& bounds, double steps) {
     int exponent = smallest_exponent;
+    if (bounds.is_empty()) return exponent;
+    const double reach = largest_coordinate(bounds.high / 2.0 - bounds.low / 2.0);
+    const double farthest = largest_coordinate(max(abs(bounds.low), abs(bounds.high)));
     // One step more than the reach: the origin and the positions are rounded by half a step each.
     while (exponent < largest_exponent &&
            (reach > std::ldexp(steps - 1, exponent) || farthest > std::ldexp(largest_world_steps - 1, exponent)))
@@ -59,25 +51,19 @@ int finest_exponent(const Bounds& bounds, double steps) {
     return exponent;
 }
 
-void require_triples(std::span<const double> values, const char* what) {
-    if (values.size() % 3 != 0)
-        throw InvalidArgument(std::string(what) + " take 3 numbers each, and " + std::to_string(values.size()) +
-                              " were given");
-}
-
 }  // namespace
 
 double WorldLattice::step() const { return std::ldexp(1.0, exponent); }
 
 WorldLattice WorldLattice::around(std::span<const double> positions, int exponent) {
-    require_triples(positions, "positions");
+    require_groups(positions.size(), 3, "positions", "numbers");
     if (exponent < smallest_exponent || exponent > largest_exponent)
         throw InvalidArgument("the lattice's step must be a power of two from 2^-100 to 2^100, not 2^" +
                               std::to_string(exponent));
-    const Bounds bounds = bounds_of(positions);
+    const CoordinateBounds bounds = bounds_of(positions);
     WorldLattice lattice{exponent, {}};
     for (int c = 0; c < 3 && !bounds.is_empty(); ++c) {
-        const double steps = std::ldexp(bounds.centre(c), -exponent);
+        const double steps = std::ldexp(bounds.low[c] / 2 + bounds.high[c] / 2, -exponent);
         if (!(std::abs(steps) < largest_world_steps))
             throw InvalidArgument("the positions lie too far from world zero for steps of 2^" +
                                   std::to_string(exponent) + ": the finest that fits is 2^" +
@@ -88,7 +74,7 @@ WorldLattice WorldLattice::around(std::span<const double> positions, int exponen
 }
 
 WorldLattice WorldLattice::fit(std::span<const double> positions) {
-    require_triples(positions, "positions");
+    require_groups(positions.size(), 3, "positions", "numbers");
     return around(positions, finest_exponent(bounds_of(positions), largest_steps / 2));
 }
 
@@ -106,40 +92,38 @@ Float3 WorldLattice::snapped(const double* p) const {
 }
 
 WorldLattice::Snapped WorldLattice::snap(std::span<const double> positions) const {
-    require_triples(positions, "positions");
+    require_groups(positions.size(), 3, "positions", "numbers");
     Snapped result{std::vector<float>(positions.size()), 0};
     for (std::size_t i = 0; i < positions.size(); i += 3) {
         const double* p = &positions[i];
         const Float3 at = snapped(p);
-        const bool is_absent = !std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2]);
+        const bool is_absent = !is_finite(p);
         if (std::isnan(at[0]) && !is_absent)
             throw InvalidArgument("row " + std::to_string(i / 3) + " " + text_of(p) +
                                   " lies more than 2^24 steps of 2^" + std::to_string(exponent) +
                                   " from the lattice's origin: the finest step that fits these positions is 2^" +
                                   std::to_string(finest_exponent(bounds_of(positions), largest_steps)));
         std::copy(at.begin(), at.end(), &result.positions[i]);
-        const std::array<double, 3> world = world_of(at);
-        for (int c = 0; c < 3 && !is_absent; ++c)
-            result.largest_move = std::max(result.largest_move, std::abs(world[c] - p[c]));
+        if (!is_absent)
+            result.largest_move = std::max(result.largest_move, largest_coordinate(loaded(world_of(at)) - loaded(p)));
     }
     return result;
 }
 
 std::vector<float> WorldLattice::lift(std::span<const double> positions, std::span<const double> normals) const {
-    require_triples(positions, "positions");
+    require_groups(positions.size(), 3, "positions", "numbers");
     if (normals.size() != positions.size())
         throw InvalidArgument("there are " + std::to_string(normals.size() / 3) + " normals for " +
                               std::to_string(positions.size() / 3) + " positions");
     std::vector<double> lifted(positions.begin(), positions.end());
     for (std::size_t i = 0; i < positions.size(); i += 3) {
-        const double* n = &normals[i];
-        const double largest = std::max({std::abs(n[0]), std::abs(n[1]), std::abs(n[2])});
+        const glm::dvec3 normal = loaded(&normals[i]);
+        const double largest = largest_coordinate(normal);
         if (!(largest > 0) || !std::isfinite(largest))
-            throw InvalidArgument("normal " + std::to_string(i / 3) + " " + text_of(n) +
+            throw InvalidArgument("normal " + std::to_string(i / 3) + " " + text_of(&normals[i]) +
                                   " is zero or not finite: a point is lifted along a direction");
-        const double x = n[0] / largest, y = n[1] / largest, z = n[2] / largest;
-        const double scale = std::ldexp(lift_steps, exponent) / std::sqrt(x * x + y * y + z * z);
-        lifted[i] += scale * x, lifted[i + 1] += scale * y, lifted[i + 2] += scale * z;
+        const glm::dvec3 n = normal / largest, move = std::ldexp(lift_steps, exponent) / length(n) * n;
+        for (int c = 0; c < 3; ++c) lifted[i + std::size_t(c)] += move[c];
     }
     return snap(lifted).positions;
 }

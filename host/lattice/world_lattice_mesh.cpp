@@ -8,20 +8,18 @@
 #include <numbers>
 #include <numeric>
 
+#include "lists/morton.hpp"
+#include "query/inputs.hpp"
 #include "query/vectors.hpp"
 
 namespace gnomon {
 namespace {
 
-using Vector = Double3;
-
-Vector operator-(const Vector& a, const Vector& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-Vector operator*(double k, const Vector& a) { return scaled(a, k); }
-double length(const Vector& a) { return std::sqrt(dot(a, a)); }
+using Vector = glm::dvec3;
 
 template <typename Value>
 Vector vector_at(std::span<const Value> values, std::size_t i) {
-    return {double(values[3 * i]), double(values[3 * i + 1]), double(values[3 * i + 2])};
+    return loaded(&values[3 * i]);
 }
 
 template <typename Value>
@@ -31,8 +29,7 @@ Vector normal_of(std::span<const Value> values, std::size_t triangle) {
 }
 
 void require_triangles(std::span<const double> triangles) {
-    if (triangles.size() % 9 != 0)
-        throw InvalidArgument("triangles take 9 numbers each, and " + std::to_string(triangles.size()) + " were given");
+    require_groups(triangles.size(), 9, "triangles", "numbers");
     if (triangles.size() / 3 >= no_receiver)
         throw InvalidArgument("there are too many triangles: ids are 32 bits wide");
 }
@@ -58,31 +55,24 @@ struct Neighbourhood {
         double farthest;  // of normal . p
     };
     std::array<HalfSpace, 5> half_spaces;
-    Vector low, high;
+    CoordinateBounds box;
 
     Neighbourhood(const Vector& a, const Vector& b, const Vector& c, double reach) {
         const Vector n = cross(b - a, c - a);
-        const std::array<Vector, 5> normals{n, -1 * n, cross(b - a, n), cross(c - b, n), cross(a - c, n)};
+        const std::array<Vector, 5> normals{n, -n, cross(b - a, n), cross(c - b, n), cross(a - c, n)};
         const std::array<Vector, 5> through{a, a, a, b, c};
         for (int i = 0; i < 5; ++i) {
             const double at = dot(normals[i], through[i]), size = length(normals[i]);
             half_spaces[i] = {normals[i], at + size * reach + 1e-12 * (std::abs(at) + size * length(through[i]))};
         }
-        for (int i = 0; i < 3; ++i) {
-            low[i] = std::min({a[i], b[i], c[i]}) - reach;
-            high[i] = std::max({a[i], b[i], c[i]}) + reach;
-        }
+        box = {min(min(a, b), c) - reach, max(max(a, b), c) + reach};
     }
 
-    bool may_meet(const Vector& box_low, const Vector& box_high) const {
-        for (int i = 0; i < 3; ++i)
-            if (box_high[i] < low[i] || box_low[i] > high[i]) return false;
-        for (const HalfSpace& h : half_spaces) {
-            double nearest = 0;
-            for (int i = 0; i < 3; ++i) nearest += h.normal[i] * (h.normal[i] > 0 ? box_low[i] : box_high[i]);
-            if (nearest > h.farthest) return false;
-        }
-        return true;
+    bool may_meet(const CoordinateBounds& other) const {
+        if (any(lessThan(other.high, box.low)) || any(greaterThan(other.low, box.high))) return false;
+        return std::ranges::none_of(half_spaces, [&](const HalfSpace& h) {
+            return dot(h.normal, mix(other.high, other.low, greaterThan(h.normal, Vector(0)))) > h.farthest;
+        });
     }
 };
 
@@ -103,10 +93,10 @@ public:
         while (depth != 0) {
             const std::uint32_t at = stack[--depth];
             const Node& node = nodes_[at];
-            if (!around.may_meet(node.low, node.high)) continue;
+            if (!around.may_meet(node.box)) continue;
             if (node.second == 0) {
                 for (std::uint32_t i = node.first; i < node.end; ++i)
-                    if (around.may_meet(positions_[order_[i]], positions_[order_[i]])) visit(order_[i]);
+                    if (around.may_meet({positions_[order_[i]], positions_[order_[i]]})) visit(order_[i]);
             } else {
                 stack[depth++] = node.second, stack[depth++] = at + 1;
             }
@@ -117,23 +107,18 @@ public:
 private:
     static constexpr std::uint32_t leaf_size = 8;
     struct Node {
-        Vector low, high;
+        CoordinateBounds box;
         std::uint32_t first, end;  // in order_
         std::uint32_t second = 0;  // the second child; the first one is the next node; 0: a leaf
     };
 
     void build(std::uint32_t first, std::uint32_t end) {
-        Node node{positions_[order_[first]], positions_[order_[first]], first, end};
-        for (std::uint32_t i = first; i < end; ++i)
-            for (int c = 0; c < 3; ++c) {
-                node.low[c] = std::min(node.low[c], positions_[order_[i]][c]);
-                node.high[c] = std::max(node.high[c], positions_[order_[i]][c]);
-            }
+        Node node{{}, first, end};
+        for (std::uint32_t i = first; i < end; ++i) node.box.add(positions_[order_[i]]);
         const std::size_t at = nodes_.size();
         nodes_.push_back(node);
         if (end - first <= leaf_size) return;
-        const Vector size = node.high - node.low;
-        const auto axis = std::max_element(size.begin(), size.end()) - size.begin();
+        const int axis = largest_axis(node.box.size());
         const std::uint32_t middle = first + (end - first) / 2;
         std::nth_element(order_.begin() + first, order_.begin() + middle, order_.begin() + end,
                          [&](std::uint32_t i, std::uint32_t j) { return positions_[i][axis] < positions_[j][axis]; });
@@ -197,7 +182,7 @@ std::vector<std::uint32_t> WorldLattice::touched_triangles(std::span<const doubl
     const std::vector<float> snapped = snap(triangles).positions;
     const Corners corners(triangles);
     // Differences from the centre of the corners: then the boxes' tests round far less than the reach.
-    const Vector centre = world_of({});
+    const Vector centre = loaded(world_of({}));
     std::vector<Vector> local;
     for (const Vector& p : corners.positions) local.push_back(p - centre);
     const PositionTree tree(std::move(local));

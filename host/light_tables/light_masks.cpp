@@ -21,9 +21,8 @@ LightMasks::LightMasks(const BvhRun& run, const LightBundles& bundles, Statistic
       slots_(bundles.lights),
       bundle_count_(static_cast<cl_uint>(bundles.bundles.size())),
       are_sectors_(are_sectors),
-      are_positions_(bundles.are_positions),
-      bundles_(session_, bundle_count_ * sizeof(LightBundle)) {
-    session_.write(bundles_.get(), bundles.bundles.data(), bundle_count_ * sizeof(LightBundle));
+      are_positions_(bundles.are_positions) {
+    session_.upload(bundles_, bundles.bundles);
     queue_.reserve(session_, first_queue * sizeof(BeamPairs));
 }
 

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "query/vectors.hpp"
+
 namespace gnomon {
 namespace {
 
@@ -36,10 +38,9 @@ double widest_bundle(const TableRun& table) {
     double widest = 0;
     for (const LightBundle& bundle : table.bundles.coned().bundles) {
         const LightCone& cone = bundle.cones[0];
-        double square = 0;
-        for (int c = 0; c < 3; ++c)
-            square += double(cone.across[c]) * cone.across[c] + double(cone.along[c]) * cone.along[c];
-        widest = std::max(widest, std::sqrt(square));
+        const glm::dvec3 across = loaded(cone.across), along = loaded(cone.along);
+        const glm::dvec3 squares = across * across + along * along;
+        widest = std::max(widest, std::sqrt(squares.x + squares.y + squares.z));
     }
     return table.bundles.coned().are_positions ? widest / table.run.largest_coordinate() : widest;
 }
@@ -131,7 +132,7 @@ const Built& LightTables::kept_of(std::unique_ptr<Built>& kept, const Triangles&
 
 const SortedPoints& LightTables::sort_points(const LightsRun& run) {
     const MeasuredRun made(session_, kept_bytes_);
-    sorted_points_ = sorted_points(run, std::move(sorted_points_));
+    sorted_points_ = SortedPoints(run, std::move(sorted_points_));
     return sorted_points_;
 }
 

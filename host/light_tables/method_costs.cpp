@@ -10,7 +10,7 @@ constexpr const LightsTuning& tuning = lights_tuning;
 class SampledRun {
 public:
     SampledRun(const BvhRun& whole, std::size_t share)
-        : sorted_(sampled_points(whole, whole.sorted, share)),
+        : sorted_(whole.sorted.sample(share, whole)),
           points_(sorted_.as_points(whole.device, whole.points)),
           run_{{whole.device, whole.triangles, points_, whole.lights, whole.outputs, whole.options},
                sorted_,

@@ -16,21 +16,21 @@ namespace {
 // The directions of one light: as the kernels compare it, and of length 1.
 struct Direction {
     Float3 scaled;
-    Double3 unit;
+    glm::dvec3 unit;
 };
 
 // Returns no value if a coordinate would lose bits.
 std::optional<Direction> direction_of(const Light& light) {
     const float* d = light.xyzw.data();
     int exponent = 0;
-    std::frexp(std::max({std::abs(d[0]), std::abs(d[1]), std::abs(d[2])}), &exponent);
+    std::frexp(largest_coordinate(loaded(d)), &exponent);
     Direction made{};
     for (int c = 0; c < 3; ++c) {
         made.scaled[c] = std::ldexp(d[c], -exponent);
         if (std::ldexp(double(made.scaled[c]), exponent) != double(d[c])) return {};
         made.unit[c] = made.scaled[c];
     }
-    normalize(made.unit);
+    make_unit(made.unit);
     return made;
 }
 
@@ -65,10 +65,7 @@ void chain(std::span<std::uint32_t> part, const std::vector<Direction>& directio
     }
 }
 
-double chord(const Direction& a, const Direction& b) {
-    const Double3 d = sum(a.unit, scaled(b.unit, -1));
-    return std::sqrt(dot(d, d));
-}
+double chord(const Direction& a, const Direction& b) { return distance(a.unit, b.unit); }
 
 // The longest chord of a bundle's chain. The suns of one hour move up to .007 a day in a year. With wide bundles, a sky
 // of patches that lie .2 apart took 10 to 40 times as long (Sponza, lost_empire, 145 patches).
@@ -97,26 +94,26 @@ std::vector<std::size_t> cut(const std::vector<std::uint32_t>& order, const std:
 // ---- Cone -----------------------------------------------------------------------------------------------------------
 
 struct Axes {
-    Double3 middle, across, along;
+    glm::dvec3 middle, across, along;
 };
 
 // Unit axes with `along` where the directions spread most.
 Axes axes_of(std::span<const std::uint32_t> part, const std::vector<Direction>& directions) {
     Axes axes{};
-    std::vector<Double3> units;
+    std::vector<glm::dvec3> units;
     for (const std::uint32_t i : part) {
         units.push_back(directions[i].unit);
-        axes.middle = sum(axes.middle, units.back());
+        axes.middle += units.back();
     }
-    normalize(axes.middle);
+    make_unit(axes.middle);
     axes.along = widest_across(axes.middle, units);
     axes.across = cross(axes.middle, axes.along);
     return axes;
 }
 
 // s D = middle + u across + v along with |u|, |v| <= 1 and s > 0, and D strictly inside of all planes.
-bool contains(const LightCone& cone, const Double3& unit) {
-    const Double3 middle = loaded(cone.middle), across = loaded(cone.across), along = loaded(cone.along);
+bool contains(const LightCone& cone, const glm::dvec3& unit) {
+    const glm::dvec3 middle = loaded(cone.middle), across = loaded(cone.across), along = loaded(cone.along);
     const double det = determinant(across, along, unit);
     const double u = -determinant(middle, along, unit) / det, v = -determinant(across, middle, unit) / det;
     if (!(std::abs(u) < 1 - 1e-6 && std::abs(v) < 1 - 1e-6 && dot(unit, middle) > 0.1)) return false;
@@ -124,15 +121,12 @@ bool contains(const LightCone& cone, const Double3& unit) {
 }
 
 void store_planes(LightCone& cone) {
-    const Double3 middle = loaded(cone.middle), across = loaded(cone.across), along = loaded(cone.along);
-    const Double3 normals[] = {cross(sum(middle, across), along), cross(sum(middle, scaled(across, -1)), along),
-                               cross(sum(middle, along), across), cross(sum(middle, scaled(along, -1)), across),
-                               middle};
+    const glm::dvec3 middle = loaded(cone.middle), across = loaded(cone.across), along = loaded(cone.along);
+    glm::dvec3 normals[] = {cross(middle + across, along), cross(middle - across, along), cross(middle + along, across),
+                            cross(middle - along, across), middle};
     for (int k = 0; k < 5; ++k) {
-        Double3 normal = normals[k];
-        normalize(normal);
-        if (dot(normal, middle) > 0) normal = scaled(normal, -1);
-        store(cone.planes[k], normal);
+        make_unit(normals[k]);
+        store(cone.planes[k], dot(normals[k], middle) > 0 ? -normals[k] : normals[k]);
     }
 }
 
@@ -150,21 +144,21 @@ bool fit_cone(LightCone& cone, std::span<const std::uint32_t> part, const std::v
             high[k] = std::max(high[k], at[k]);
         }
     }
-    const Double3 middle =
-        sum(axes.middle, sum(scaled(axes.across, (low[0] + high[0]) / 2), scaled(axes.along, (low[1] + high[1]) / 2)));
-    const double length = std::sqrt(dot(middle, middle));
+    const glm::dvec3 middle =
+        axes.middle + (axes.across * ((low[0] + high[0]) / 2) + axes.along * ((low[1] + high[1]) / 2));
+    const double length = glm::length(middle);
     for (double more = 3e-6; more < 0.1; more *= 4) {
-        store(cone.middle, scaled(middle, 1 / length));
-        store(cone.across, scaled(axes.across, ((high[0] - low[0]) / 2 * (1 + 1e-5) + more) / length));
-        store(cone.along, scaled(axes.along, ((high[1] - low[1]) / 2 * (1 + 1e-5) + more) / length));
+        store(cone.middle, middle * (1 / length));
+        store(cone.across, axes.across * (((high[0] - low[0]) / 2 * (1 + 1e-5) + more) / length));
+        store(cone.along, axes.along * (((high[1] - low[1]) / 2 * (1 + 1e-5) + more) / length));
         store_planes(cone);
         if (std::ranges::all_of(part, [&](std::uint32_t i) { return contains(cone, directions[i].unit); })) return true;
     }
     return false;
 }
 
-LightAxes axes_along(const Double3& unit) {
-    const Double3 u = perpendicular(unit);
+LightAxes axes_along(const glm::dvec3& unit) {
+    const glm::dvec3 u = perpendicular(unit);
     LightAxes axes{};
     store(axes.u, u);
     store(axes.v, cross(unit, u));
@@ -177,8 +171,8 @@ void add_lights(LightBundles& made, LightBundle& bundle, std::span<const std::ui
     bundle.light_count = static_cast<std::uint32_t>(part.size());
     for (std::size_t l = 0; l < part.size(); ++l) {
         for (int c = 0; c < 3; ++c) bundle.directions[c][l] = directions[part[l]].scaled[c];
-        Double3 unit = directions[part[l]].unit;
-        normalize(unit);
+        glm::dvec3 unit = directions[part[l]].unit;
+        make_unit(unit);
         bundle.axes[l] = axes_along(unit);
     }
     made.add(bundle, part);
@@ -223,14 +217,14 @@ struct SectorLight {
 constexpr double widest_sector = 0.14;
 
 void set_ground(LightBundle& bundle, std::uint32_t axis) {
-    Double3 sum{};
+    glm::dvec3 sum{};
+    const int x = (int(axis) + 1) % 3, y = (int(axis) + 2) % 3;
     for (std::uint32_t l = 0; l < bundle.light_count; ++l) {
-        const std::uint32_t x = (axis + 1) % 3, y = (axis + 2) % 3;
         const double length = std::hypot(bundle.directions[x][l], bundle.directions[y][l]);
         sum[x] += bundle.directions[x][l] / length;
         sum[y] += bundle.directions[y][l] / length;
     }
-    normalize(sum);
+    make_unit(sum);
     store(bundle.ground, sum);
 }
 
@@ -319,10 +313,11 @@ std::optional<LightBundles> make_sector_bundles(std::span<const Light> lights, s
     std::vector<std::uint32_t> others;
     std::vector<SectorLight> sectors;
     for (std::uint32_t i = 0; i < lights.size(); ++i) {
-        const Double3& d = (*directions)[i].unit;
-        const double x = d[(axis + 1) % 3], y = d[(axis + 2) % 3], across = std::hypot(x, y);
-        if (d[axis] > 1e-6 && across > 0.05)
-            sectors.push_back({i, std::atan2(y, x), d[axis] / across});
+        const glm::dvec3& d = (*directions)[i].unit;
+        const double x = d[(int(axis) + 1) % 3], y = d[(int(axis) + 2) % 3], height = d[int(axis)];
+        const double across = std::hypot(x, y);
+        if (height > 1e-6 && across > 0.05)
+            sectors.push_back({i, std::atan2(y, x), height / across});
         else
             others.push_back(i);
     }

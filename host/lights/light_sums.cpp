@@ -16,9 +16,8 @@ std::vector<LightSlot> slots_of(const Lights& lights, std::span<const std::uint3
     for (std::size_t s = 0; s < ids.size(); ++s) {
         slots[s].light = ids[s];
         if (ids[s] == no_light) continue;
-        const std::array<float, 4>& d = lights.lights()[ids[s]].xyzw;
-        Double3 unit{d[0], d[1], d[2]};
-        normalize(unit);
+        glm::dvec3 unit = loaded(lights.lights()[ids[s]].xyzw.data());
+        make_unit(unit);
         store(slots[s].direction, unit);
         slots[s].weight = lights.weights()[ids[s]];
     }
@@ -37,12 +36,6 @@ std::vector<std::int64_t> tables_of(const Lights& lights, std::span<const std::u
         }
     }
     return tables;
-}
-
-template <typename T>
-void upload(cl::Session& session, cl::Buffer& buffer, const std::vector<T>& values) {
-    buffer.reserve(session, values.size() * sizeof(T));
-    if (!values.empty()) session.write(buffer.get(), values.data(), values.size() * sizeof(T));
 }
 
 }  // namespace
@@ -73,8 +66,8 @@ LightSums::LightSums(const LightsRun& run, std::span<const std::uint32_t> slots,
     want(outputs_.first_lit, WANTS_FIRST, no_light, point_count_);
     want(outputs_.last_lit, WANTS_LAST, no_light, point_count_);
     if (run.options.cosines && outputs_.sums != nullptr) params_.wants |= WANTS_COSINES;
-    upload(session_, slots_, slots_of(run.lights, slots));
-    upload(session_, tables_, tables_of(run.lights, slots));
+    session_.upload(slots_, slots_of(run.lights, slots));
+    session_.upload(tables_, tables_of(run.lights, slots));
 }
 
 void LightSums::add(const cl::Buffer& masks, std::size_t mask_stride, std::size_t first_point, std::size_t point_count,

@@ -12,22 +12,13 @@
 namespace gnomon {
 namespace {
 
-Double3 unit_of(const Float3& v, const char* what) {
-    Double3 unit{v[0], v[1], v[2]};
-    if (!is_finite(v) || !normalize(unit))
-        throw InvalidArgument(std::string(what) + " must be finite numbers, not all 0");
+glm::dvec3 unit_of(const Float3& v, const char* what) {
+    glm::dvec3 unit = loaded(v);
+    if (!make_unit(unit)) throw InvalidArgument(std::string(what) + " must be finite numbers, not all 0");
     return unit;
 }
 
-Double3 combined(const Double3& a, double by_a, const Double3& b, double by_b, const Double3& c, double by_c) {
-    Double3 made{};
-    for (int i = 0; i < 3; ++i) made[i] = a[i] * by_a + b[i] * by_b + c[i] * by_c;
-    return made;
-}
-
-Light towards(const Double3& direction) {
-    return Light::directional({float(-direction[0]), float(-direction[1]), float(-direction[2])});
-}
+Light towards(const glm::dvec3& direction) { return Light::directional(array_of(-direction)); }
 
 void require_samples(std::uint32_t samples) {
     if (samples == 0) throw InvalidArgument("an extended light takes at least 1 sample");
@@ -81,17 +72,17 @@ Lights::Lights(std::vector<Light> lights, std::vector<float> weights)
 }
 
 Lights sun_disk(const Float3& direction, double angle_degrees, std::uint32_t samples) {
-    const Double3 axis = unit_of(direction, "the direction of a disk");
+    const glm::dvec3 axis = unit_of(direction, "the direction of a disk");
     if (!(angle_degrees > 0 && angle_degrees < 90))
         throw InvalidArgument("the angle of a disk must lie between 0 and 90 degrees");
     require_samples(samples);
-    const Double3 u = perpendicular(axis), v = cross(axis, u);
+    const glm::dvec3 u = perpendicular(axis), v = cross(axis, u);
     const double radius = std::tan(angle_degrees / 2 * (std::numbers::pi / 180));
     const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
     std::vector<Light> lights;
     for (std::uint32_t i = 0; i < samples; ++i) {
         const double r = radius * std::sqrt((i + 0.5) / samples), angle = golden * i;
-        lights.push_back(towards(combined(axis, -1, u, r * std::cos(angle), v, r * std::sin(angle))));
+        lights.push_back(towards(-axis + u * (r * std::cos(angle)) + v * (r * std::sin(angle))));
     }
     return Lights(std::move(lights));
 }
@@ -103,20 +94,18 @@ Lights area_light(const Float3& corner, const Float3& edge_a, const Float3& edge
     std::vector<Light> lights;
     for (std::uint32_t i = 0; i < samples; ++i) {
         const double a = (i + 0.5) / samples, b = van_der_corput(i);
-        Float3 at{};
-        for (int c = 0; c < 3; ++c) at[c] = static_cast<float>(corner[c] + a * edge_a[c] + b * edge_b[c]);
-        lights.push_back(Light::point(at));
+        lights.push_back(Light::point(array_of(loaded(corner) + a * loaded(edge_a) + b * loaded(edge_b))));
     }
     return Lights(std::move(lights));
 }
 
 Lights sky_patches(const Float3& up, const Float3& north, std::uint32_t division) {
-    const Double3 zenith = unit_of(up, "the sky's up");
-    Double3 east = cross(unit_of(north, "the sky's north"), zenith);
-    if (std::hypot(east[0], east[1], east[2]) < 1e-9 || !normalize(east))
+    const glm::dvec3 zenith = unit_of(up, "the sky's up");
+    glm::dvec3 east = cross(unit_of(north, "the sky's north"), zenith);
+    if (std::hypot(east.x, east.y, east.z) < 1e-9 || !make_unit(east))
         throw InvalidArgument("the sky's north must not be parallel to its up");
     if (division < 1 || division > 16) throw InvalidArgument("the sky's division must be from 1 to 16");
-    const Double3 ahead = cross(zenith, east);
+    const glm::dvec3 ahead = cross(zenith, east);
     // Tregenza's rows have 12 degrees each from the horizon to 84 degrees; the last patch is the cap around the zenith.
     constexpr std::uint32_t patches[] = {30, 30, 24, 24, 18, 12, 6};
     const double row_height = 90.0 / (7 * division + 0.5) * (std::numbers::pi / 180);
@@ -129,9 +118,8 @@ Lights sky_patches(const Float3& up, const Float3& north, std::uint32_t division
         const double share = (std::pow(std::sin(high), 2) - std::pow(std::sin(low), 2)) / count;
         for (std::uint32_t i = 0; i < count; ++i) {
             const double azimuth = 2 * std::numbers::pi * i / count;
-            lights.push_back(
-                towards(combined(zenith, std::sin(elevation), ahead, std::cos(elevation) * std::cos(azimuth), east,
-                                 std::cos(elevation) * std::sin(azimuth))));
+            lights.push_back(towards(zenith * std::sin(elevation) + ahead * (std::cos(elevation) * std::cos(azimuth)) +
+                                     east * (std::cos(elevation) * std::sin(azimuth))));
             weights.push_back(static_cast<float>(share));
         }
     }

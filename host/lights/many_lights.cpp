@@ -64,14 +64,6 @@ void require_lights_run(const LightsRun& run) {
         throw InvalidArgument("cosines need directional lights");
 }
 
-SortedPoints sorted_points(const LightsRun& run, SortedPoints earlier) {
-    return {run.device, run.triangles, run.points, run.options.normals, run.options.normals_layout, std::move(earlier)};
-}
-
-SortedPoints sampled_points(const LightsRun& run, const SortedPoints& sorted, std::size_t share) {
-    return sorted.sample(share, run.device, run.triangles, run.points, run.options.normals, run.options.normals_layout);
-}
-
 Triangles with_clusters(const Device& device, const Triangles& triangles) {
     Triangles clustered = triangles;
     if (Internals::clusters(triangles) == nullptr && triangles.count() >= triangles_worth_clusters)
@@ -124,7 +116,7 @@ Statistics Technique::run_table(const Triangles& triangles, const Points& points
     const LightsRun run{device(), clustered, points, lights, outputs, options};
     require_lights_run(run);
     std::optional<SortedPoints> sorted;
-    if (are_many && !points.camera() && options.fans == nullptr) sorted.emplace(sorted_points(run));
+    if (are_many && !points.camera() && options.fans == nullptr) sorted.emplace(run);
     run_one_by_one(*this, run, sorted ? &*sorted : nullptr, measured.stages);
     return measured.finish({{"points", points.count()}, {"lights", lights.count()}});
 }
@@ -138,8 +130,8 @@ Statistics run_mean(Technique& technique, const Triangles& triangles, const Poin
         technique.run_light_table(triangles, points, lights, {.counts = counts.get()}, options);
     std::vector<float> shares(lights.count() + 1);
     for (std::size_t i = 1; i < shares.size(); ++i) shares[i] = static_cast<float>(double(i) / double(lights.count()));
-    const cl::Buffer shares_on_device(session, shares.size() * sizeof(float));
-    session.write(shares_on_device.get(), shares.data(), shares.size() * sizeof(float));
+    cl::Buffer shares_on_device;
+    session.upload(shares_on_device, shares);
     if (points.count() != 0)
         session.launch("lights/light_sums.cl", "light_means", cl::Range::items(points.count()),
                        static_cast<cl_uint>(points.count()), counts, shares_on_device, mean.buffer());

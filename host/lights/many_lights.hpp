@@ -49,11 +49,6 @@ private:
     cl::Buffer slots_, tables_, none_;
 };
 
-/// Sorts the run's points, into the memory of `earlier` ones.
-SortedPoints sorted_points(const LightsRun& run, SortedPoints earlier = {});
-/// Every share-th sequence of these points.
-SortedPoints sampled_points(const LightsRun& run, const SortedPoints& sorted, std::size_t share);
-
 /// Returns `triangles` with clusters, if a run over many lights gains by them and the caller keeps none.
 Triangles with_clusters(const Device& device, const Triangles& triangles);
 

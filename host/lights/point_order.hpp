@@ -7,16 +7,16 @@
 
 namespace gnomon {
 
+struct LightsRun;
+
 class SortedPoints {
 public:
     SortedPoints() = default;
-    /// `normals`: one per point as `normals_at` describes, or null. `earlier`: points of which only the memory is used.
-    SortedPoints(const Device& device, const Triangles& triangles, const Points& points, cl_mem normals,
-                 const PointLayout& normals_at, SortedPoints earlier);
-    /// Every share-th sequence of POINTS_OF_RUN neighbouring points, at least one sequence. The other arguments are the
-    /// constructor's.
-    SortedPoints sample(std::size_t share, const Device& device, const Triangles& triangles, const Points& points,
-                        cl_mem normals, const PointLayout& normals_at) const;
+    /// Sorts the run's points. `earlier`: points of which only the memory is used.
+    SortedPoints(const LightsRun& run, SortedPoints earlier);
+    explicit SortedPoints(const LightsRun& run) : SortedPoints(run, SortedPoints()) {}
+    /// Every share-th sequence of POINTS_OF_RUN neighbouring points of the same run, at least one sequence.
+    SortedPoints sample(std::size_t share, const LightsRun& run) const;
 
     /// The sorted points, with the receivers and the eye of the given points.
     Points as_points(const Device& device, const Points& given) const;
@@ -32,9 +32,9 @@ public:
     float largest_coordinate() const { return largest_coordinate_; }
 
 private:
-    void sort(cl::Session& session, const PointOrderParams& params, const PointInputs& in, cl_mem vertices,
-              cl_mem normals);
-    void gather(cl::Session& session, PointOrderParams params, const PointInputs& in, cl_mem vertices, cl_mem normals);
+    struct Inputs;
+    void sort(const Inputs& in);
+    void gather(Inputs& in);
 
     PointsLayout layout_{};
     cl::Buffer positions_, receivers_, normals_, surface_normals_, order_;

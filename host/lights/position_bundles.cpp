@@ -3,31 +3,31 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
 #include <numeric>
 
 #include "lights/light_bundles.hpp"
+#include "lists/morton.hpp"
 #include "query/vectors.hpp"
 
 namespace gnomon {
 namespace {
 
-using Positions = std::vector<Double3>;
+using Positions = std::vector<glm::dvec3>;
 
 // ---- Order ----------------------------------------------------------------------------------------------------------
 
-std::size_t longest_axis(std::span<const std::uint32_t> part, const Positions& positions) {
-    Double3 extent{};
-    for (std::size_t c = 0; c < 3; ++c) {
-        const auto [low, high] = std::ranges::minmax(part, {}, [&](std::uint32_t i) { return positions[i][c]; });
-        extent[c] = positions[high][c] - positions[low][c];
-    }
-    return static_cast<std::size_t>(std::ranges::max_element(extent) - extent.begin());
+int longest_axis(std::span<const std::uint32_t> part, const Positions& positions) {
+    CoordinateBounds box;
+    for (const std::uint32_t i : part) box.add(positions[i]);
+    return largest_axis(box.size());
 }
 
 // Halves a part across its longest side, then each half, down to bundles and then to the slots of each cone.
 void halve(std::span<std::uint32_t> part, const Positions& positions) {
     if (part.size() < 2) return;
-    const std::size_t axis = longest_axis(part, positions);
+    const int axis = longest_axis(part, positions);
     const std::size_t left = part.size() > MOST_BUNDLE_LIGHTS
                                  ? (part.size() / 2 + MOST_BUNDLE_LIGHTS - 1) / MOST_BUNDLE_LIGHTS * MOST_BUNDLE_LIGHTS
                                  : std::bit_ceil(part.size()) / 2;
@@ -40,23 +40,19 @@ void halve(std::span<std::uint32_t> part, const Positions& positions) {
 // ---- Box ------------------------------------------------------------------------------------------------------------
 
 struct Axes {
-    Double3 along, across, depth;
+    glm::dvec3 along, across, depth;
 };
 
 // The direction in which the offsets spread most: their covariance, applied to the axis of largest variance.
-Double3 widest_direction(const Positions& offsets) {
-    Double3 rows[3] = {};
-    for (const Double3& offset : offsets)
-        for (std::size_t c = 0; c < 3; ++c) rows[c] = sum(rows[c], scaled(offset, offset[c]));
-    std::size_t start = 0;
-    for (std::size_t c = 1; c < 3; ++c)
-        if (rows[c][c] > rows[start][start]) start = c;
-    Double3 direction{};
-    direction[start] = 1;
+glm::dvec3 widest_direction(const Positions& offsets) {
+    glm::dmat3 covariance(0);
+    for (const glm::dvec3& offset : offsets) covariance += outerProduct(offset, offset);
+    glm::dvec3 direction{};
+    direction[largest_axis({covariance[0][0], covariance[1][1], covariance[2][2]})] = 1;
     constexpr int steps = 16;
     for (int step = 0; step < steps; ++step) {
-        Double3 next{dot(rows[0], direction), dot(rows[1], direction), dot(rows[2], direction)};
-        if (!normalize(next)) break;
+        glm::dvec3 next = covariance * direction;
+        if (!make_unit(next)) break;
         direction = next;
     }
     return direction;
@@ -71,9 +67,9 @@ Axes axes_of(const Positions& offsets) {
 }
 
 // S = middle + u across + v along + w depth with |u|, |v|, |w| <= 1.
-bool contains(const LightCone& box, const Double3& position) {
-    const Double3 across = loaded(box.across), along = loaded(box.along), depth = loaded(box.planes[0]);
-    const Double3 offset = sum(position, scaled(loaded(box.middle), -1));
+bool contains(const LightCone& box, const glm::dvec3& position) {
+    const glm::dvec3 across = loaded(box.across), along = loaded(box.along), depth = loaded(box.planes[0]);
+    const glm::dvec3 offset = position - loaded(box.middle);
     const double det = determinant(across, along, depth);
     const double at[] = {determinant(offset, along, depth) / det, determinant(across, offset, depth) / det,
                          determinant(across, along, offset) / det};
@@ -82,28 +78,26 @@ bool contains(const LightCone& box, const Double3& position) {
 
 // The second box contains them at the latest, since `more` is then far above the rounding of all coordinates.
 void fit_box(LightCone& box, std::span<const std::uint32_t> part, const Positions& positions) {
-    Double3 mean{};
-    for (const std::uint32_t i : part) mean = sum(mean, scaled(positions[i], 1.0 / double(part.size())));
+    glm::dvec3 mean{};
+    for (const std::uint32_t i : part) mean += positions[i] * (1.0 / double(part.size()));
     Positions offsets;
     double largest = 0;
     for (const std::uint32_t i : part) {
-        offsets.push_back(sum(positions[i], scaled(mean, -1)));
-        for (const double c : positions[i]) largest = std::max(largest, std::abs(c));
+        offsets.push_back(positions[i] - mean);
+        largest = std::max(largest, largest_coordinate(positions[i]));
     }
     const Axes axes = axes_of(offsets);
-    const Double3* const along[] = {&axes.across, &axes.along, &axes.depth};
-    Double3 middle = mean, half{};
-    for (std::size_t k = 0; k < 3; ++k) {
-        const auto [low, high] = std::ranges::minmax(offsets, {}, [&](const Double3& o) { return dot(o, *along[k]); });
-        const double from = dot(low, *along[k]), to = dot(high, *along[k]);
-        middle = sum(middle, scaled(*along[k], (from + to) / 2));
-        half[k] = (to - from) / 2 * (1 + 1e-5);
-    }
+    // The offsets, along `across`, `along` and `depth`.
+    CoordinateBounds reach;
+    for (const glm::dvec3& offset : offsets)
+        reach.add({dot(offset, axes.across), dot(offset, axes.along), dot(offset, axes.depth)});
+    const glm::dvec3 centre = (reach.low + reach.high) / 2.0, half = reach.size() / 2.0 * (1 + 1e-5);
+    const glm::dvec3 middle = mean + axes.across * centre.x + axes.along * centre.y + axes.depth * centre.z;
     for (double more = 4e-7 * largest + 1e-30; more <= largest + 1e-20; more *= 4) {
         store(box.middle, middle);
-        store(box.across, scaled(axes.across, half[0] + more));
-        store(box.along, scaled(axes.along, half[1] + more));
-        store(box.planes[0], scaled(axes.depth, half[2] + more));
+        store(box.across, axes.across * (half.x + more));
+        store(box.along, axes.along * (half.y + more));
+        store(box.planes[0], axes.depth * (half.z + more));
         if (std::ranges::all_of(part, [&](std::uint32_t i) { return contains(box, positions[i]); })) return;
     }
     throw Error("no box contains these point lights");
@@ -114,8 +108,8 @@ void fit_box(LightCone& box, std::span<const std::uint32_t> part, const Position
 float largest_position(std::span<const Light> lights) {
     float largest = 0;
     for (const Light& light : lights)
-        for (std::size_t c = 0; c < 3 && !light.is_directional(); ++c)
-            largest = std::max(largest, std::abs(light.xyzw[c]));
+        if (!light.is_directional())
+            largest = std::max(largest, static_cast<float>(largest_coordinate(loaded(light.xyzw.data()))));
     return largest;
 }
 

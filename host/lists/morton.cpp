@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
-#include <limits>
 
 namespace gnomon {
 namespace {
@@ -15,30 +13,19 @@ float float_of_key(std::uint32_t key) {
 
 }  // namespace
 
-float CoordinateBounds::largest() const {
-    double largest = 0;
-    for (std::size_t c = 0; c < 3; ++c) largest = std::max({largest, std::abs(low[c]), std::abs(high[c])});
-    return static_cast<float>(largest);
-}
-
 std::optional<CoordinateBounds> bounds_of_keys(std::span<const std::uint32_t> keys) {
     if (keys[0] == GN_NO_ID) return {};
-    CoordinateBounds bounds{};
-    for (std::size_t c = 0; c < 3; ++c) {
-        bounds.low[c] = float_of_key(keys[c]);
-        bounds.high[c] = float_of_key(keys[3 + c]);
-    }
-    return bounds;
+    const auto position = [&](std::size_t first) {
+        return glm::dvec3(float_of_key(keys[first]), float_of_key(keys[first + 1]), float_of_key(keys[first + 2]));
+    };
+    return CoordinateBounds{position(0), position(3)};
 }
 
-MortonGrid morton_grid(const std::array<double, 3>& low, const std::array<double, 3>& high, unsigned bits) {
+MortonGrid morton_grid(const CoordinateBounds& box, unsigned bits) {
     MortonGrid grid{};
-    double extent = 0;
-    for (std::size_t c = 0; c < 3; ++c) {
-        grid.origin[c] = static_cast<float>(low[c] / 2);
-        extent = std::max(extent, (high[c] - low[c]) / 2);
-    }
-    const double scale = (1u << bits) / extent;
+    for (int c = 0; c < 3; ++c) grid.origin[c] = static_cast<float>(box.low[c] / 2);
+    const glm::dvec3 extents = box.size() / 2.0;
+    const double scale = (1u << bits) / std::max({extents.x, extents.y, extents.z});
     grid.scale = scale < std::numeric_limits<float>::max() ? static_cast<float>(scale) : 0.0f;
     return grid;
 }

@@ -2,8 +2,6 @@
 #include "occluders/clusters.hpp"
 
 #include <algorithm>
-#include <array>
-#include <limits>
 #include <vector>
 
 #include "kernels/exact/cut_outs.h"
@@ -17,14 +15,11 @@ namespace {
 
 std::size_t round_up(std::size_t count, std::size_t multiple) { return (count + multiple - 1) / multiple * multiple; }
 
-struct Box {
-    std::array<double, 3> low, high;
-    double area() const {  // half the surface area; 0 if the box is empty
-        if (low[0] > high[0]) return 0;
-        const double x = high[0] - low[0], y = high[1] - low[1], z = high[2] - low[2];
-        return x * y + y * z + z * x;
-    }
-};
+// Half the surface area; 0 if the box is empty.
+double area_of(const CoordinateBounds& box) {
+    const glm::dvec3 size = box.size();
+    return box.is_empty() ? 0 : size.x * size.y + size.y * size.z + size.z * size.x;
+}
 
 // An order of the clusters' own takes 40 bytes per triangle. It is worth that where clusters are scattered: where a
 // line that meets the scene meets this many boxes on average, and the order along a curve leaves at most this share of
@@ -34,26 +29,24 @@ constexpr double boxes_worth_order = 256, most_area_worth_order = 0.25;
 
 // The box around all boxes, and the sum of the areas of the boxes.
 struct Spread {
-    Box whole;
+    CoordinateBounds whole{};
     double area = 0;
     // The average number of boxes on a line, over all lines that meet the whole: the boxes' share of its area.
-    double boxes_met() const { return whole.area() > 0 ? area / whole.area() : 0; }
+    double boxes_met() const { return area_of(whole) > 0 ? area / area_of(whole) : 0; }
 };
 
 Spread spread_of(cl::Session& session, const cl::Buffer& boxes, cl_uint count) {
     const std::size_t lanes = session.lanes(), words = CLUSTER_BOX_BYTES / sizeof(float);
     const auto kept = session.read_values<float>(boxes.get(), round_up(count, lanes) * words);
-    constexpr double infinity = std::numeric_limits<double>::infinity();
-    Spread spread{{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}}};
+    Spread spread;
     for (std::size_t i = 0; i < count; ++i) {
-        Box box;
-        for (std::size_t c = 0; c < 3; ++c) {
-            box.low[c] = kept[(i / lanes * words + c) * lanes + i % lanes];
-            box.high[c] = kept[(i / lanes * words + 3 + c) * lanes + i % lanes];
-            spread.whole.low[c] = std::min(spread.whole.low[c], box.low[c]);
-            spread.whole.high[c] = std::max(spread.whole.high[c], box.high[c]);
-        }
-        spread.area += box.area();
+        const auto corner = [&](std::size_t row) {
+            const float* at = &kept[(i / lanes * words + row) * lanes + i % lanes];
+            return glm::dvec3(at[0], at[lanes], at[2 * lanes]);
+        };
+        const CoordinateBounds box{corner(0), corner(3)};
+        spread.whole.add(box);
+        spread.area += area_of(box);
     }
     return spread;
 }
@@ -85,7 +78,7 @@ Clusters::Clusters(const Device& device, const TriangleInputs& triangles)
     const Spread spread = spread_of(session, boxes_, count_);
     if (spread.boxes_met() < boxes_worth_order) return;
     try {
-        reorder(triangles, morton_grid(spread.whole.low, spread.whole.high, MORTON_BITS), spread.area);
+        reorder(triangles, morton_grid(spread.whole, MORTON_BITS), spread.area);
     } catch (const OutOfDeviceMemory&) {
         // The order of the caller's buffer takes no memory and gives the same result.
     }

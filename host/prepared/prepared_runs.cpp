@@ -20,16 +20,17 @@ Statistics PreparedRuns::prepare(const Triangles& triangles, const Light& light)
 }
 
 TraceInputs PreparedRuns::inputs(const FramedInputs& in) const {
-    return {.light_frame = light_->light_frame(),
-            .first_frame = 0,
-            .frame_count = frame_count_of(light_->light_frame()),
-            .triangles = in.triangles,
-            .points = in.points,
-            .projections = light_->projections(),
-            .map = light_->map(),
-            .lists = light_->lists(),
-            .visibility = in.visibility,
-            .counters = tracer_.counters()};
+    const LightFrame& frame = light_->light_frame();
+    return {frame,
+            0,
+            frame_count_of(frame),
+            in.triangles,
+            in.points,
+            light_->projections(),
+            light_->map(),
+            light_->lists(),
+            in.visibility,
+            tracer_.counters()};
 }
 
 Statistics PreparedRuns::run(const Triangles& triangles, const PointInputs& points, const Light& light,

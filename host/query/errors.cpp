@@ -37,13 +37,8 @@ const char* error_name(cl_int code) {
 }
 
 std::string message(std::string_view call, cl_int code, const std::string& build_log, std::string_view remedy) {
-    std::string text(call);
-    text += " failed with ";
-    text += error_name(code);
-    text += " (" + std::to_string(code) + ")";
-    if (!remedy.empty()) text += ": " + std::string(remedy);
-    if (!build_log.empty()) text += ":\n" + build_log;
-    return text;
+    return std::string(call) + " failed with " + error_name(code) + " (" + std::to_string(code) + ")" +
+           (remedy.empty() ? "" : ": " + std::string(remedy)) + (build_log.empty() ? "" : ":\n" + build_log);
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 #include "query/inputs.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <limits>
 #include <memory>
@@ -103,8 +102,7 @@ void require_count(std::size_t count, const char* what) {
 }
 
 void require_points(std::span<const float> positions, std::span<const std::uint32_t> receivers) {
-    if (positions.size() % 3 != 0)
-        throw InvalidArgument("points take 3 floats each, and " + std::to_string(positions.size()) + " were given");
+    require_groups(positions.size(), 3, "points");
     require_count(positions.size() / 3, "points");
     if (!receivers.empty() && receivers.size() != positions.size() / 3)
         throw InvalidArgument("there are " + std::to_string(receivers.size()) + " receivers for " +
@@ -134,9 +132,10 @@ private:
 
 // ---- Triangles ------------------------------------------------------------------------------------------------------
 
-void require_whole_triangles(std::span<const float> vertices) {
-    if (vertices.size() % 9 == 0) return;
-    throw InvalidArgument("triangles take 9 floats each, and " + std::to_string(vertices.size()) + " were given");
+void require_groups(std::size_t numbers, std::size_t each, const char* what, const char* kind) {
+    if (numbers % each == 0) return;
+    throw InvalidArgument(std::string(what) + " take " + std::to_string(each) + " " + kind + " each, and " +
+                          std::to_string(numbers) + " were given");
 }
 
 bool has_cut_outs(const Triangles& triangles) {
@@ -144,7 +143,7 @@ bool has_cut_outs(const Triangles& triangles) {
 }
 
 Triangles Triangles::upload(const Device& device, std::span<const float> vertices) {
-    require_whole_triangles(vertices);
+    require_groups(vertices.size(), 9, "triangles");
     require_count(vertices.size() / 9, "triangles");
     Triangles triangles;
     triangles.buffer_ = uploaded(device, vertices.data(), vertices.size_bytes());
@@ -153,7 +152,7 @@ Triangles Triangles::upload(const Device& device, std::span<const float> vertice
 }
 
 Triangles Triangles::upload(const Device& device, std::span<const float> vertices, const CutOuts& cut_outs) {
-    require_whole_triangles(vertices);
+    require_groups(vertices.size(), 9, "triangles");
     const PackedCutOuts packed = pack_cut_outs(vertices.size() / 9, cut_outs);
     Triangles triangles;
     if (packed.words.empty()) {
@@ -189,7 +188,7 @@ Triangles Triangles::copy(const Device& device, cl_mem vertices, std::size_t cou
 }
 
 Triangles Triangles::share(const Device& device, std::span<const float> vertices) {
-    require_whole_triangles(vertices);
+    require_groups(vertices.size(), 9, "triangles");
     const SharedMemory shared(device, vertices.data(), vertices.size_bytes(), CL_MEM_READ_ONLY);
     return shared.get() != nullptr ? wrap(device, shared.get(), vertices.size() / 9) : upload(device, vertices);
 }
@@ -449,9 +448,8 @@ std::shared_ptr<void> uploaded(const Device& device, const void* data, std::size
 
 void require_light(const Light& light) {
     const auto& [x, y, z, w] = light.xyzw;
-    const bool is_finite = std::isfinite(x) && std::isfinite(y) && std::isfinite(z);
     const bool is_direction = w == 0 && (x != 0 || y != 0 || z != 0);
-    if (!is_finite || !(is_direction || w == 1))
+    if (!is_finite(light.xyzw) || !(is_direction || w == 1))
         throw InvalidArgument(
             "the light must be finite, and either a direction other than 0,0,0 (w = 0) or a position (w = 1)");
 }

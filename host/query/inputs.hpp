@@ -112,8 +112,8 @@ struct TriangleInputs : TrianglesLayout {
     }
 };
 TriangleInputs triangle_inputs(const Triangles& triangles);
-/// Throws InvalidArgument if the floats are no multiple of 9.
-void require_whole_triangles(std::span<const float> vertices);
+/// Throws InvalidArgument unless the numbers of `what` (which are `kind`) come in groups of `each`.
+void require_groups(std::size_t numbers, std::size_t each, const char* what, const char* kind = "floats");
 /// Some triangles are masked or clear.
 bool has_cut_outs(const Triangles& triangles);
 

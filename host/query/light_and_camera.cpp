@@ -27,15 +27,16 @@ Camera Camera::look_at(const Float3& eye, const Float3& target, const Float3& up
     Camera camera;
     camera.eye = eye;
     camera.fov_y_radians = fov_y_degrees * (3.14159265358979323846 / 180.0);
-    Double3 up_hint{up[0], up[1], up[2]};
-    for (int i = 0; i < 3; ++i) camera.forward[i] = double(target[i]) - double(eye[i]);
-    if (!normalize(camera.forward)) throw InvalidArgument("the camera's eye and target coincide");
-    if (!normalize(up_hint)) throw InvalidArgument("the camera's up must not be 0,0,0");
-    camera.right = cross(camera.forward, up_hint);
-    if (std::hypot(camera.right[0], camera.right[1], camera.right[2]) < 1e-12 || !normalize(camera.right))
+    glm::dvec3 forward = loaded(target) - loaded(eye), up_hint = loaded(up);
+    if (!make_unit(forward)) throw InvalidArgument("the camera's eye and target coincide");
+    if (!make_unit(up_hint)) throw InvalidArgument("the camera's up must not be 0,0,0");
+    glm::dvec3 right = cross(forward, up_hint);
+    if (std::hypot(right.x, right.y, right.z) < 1e-12 || !make_unit(right))
         throw InvalidArgument("the camera's up is parallel to its view: choose another up");
-    camera.up = cross(camera.right, camera.forward);
-    normalize(camera.up);
+    glm::dvec3 upwards = cross(right, forward);
+    make_unit(upwards);
+    camera.right = array_of<double>(right), camera.up = array_of<double>(upwards);
+    camera.forward = array_of<double>(forward);
     return camera;
 }
 

@@ -145,7 +145,7 @@ void close_points(OpenPoints& open, std::span<const float> answers, std::vector<
 
 ViewOfParts look_in_parts(const Device& device, const SceneOnHost& scene, const Camera& camera, std::uint32_t width,
                           std::uint32_t height) {
-    require_whole_triangles(scene.vertices);
+    require_groups(scene.vertices.size(), 9, "triangles");
     const std::size_t total = scene.vertices.size() / 9;
     Ids seen;  // of the triangles before `first`
     for (std::size_t first = 0, part = total;;) {
@@ -168,7 +168,7 @@ ViewOfParts look_in_parts(const Device& device, const SceneOnHost& scene, const 
 Statistics run_in_parts(const std::function<std::unique_ptr<Technique>()>& make, const Device& device,
                         const SceneOnHost& scene, const Points& points, std::span<const std::uint32_t> ids,
                         const Light& light, const Visibility& visibility, const RunOptions& options) {
-    require_whole_triangles(scene.vertices);
+    require_groups(scene.vertices.size(), 9, "triangles");
     const auto start = cl::Clock::now();
     const FacingInputs sides = Internals::facing_inputs(device, points, options.facing);
     if (sides.fans != nullptr)

@@ -2,7 +2,8 @@
 #include "receivers/light_frame.hpp"
 
 #include <algorithm>
-#include <cmath>
+
+#include "query/vectors.hpp"
 
 namespace gnomon {
 namespace {
@@ -22,9 +23,7 @@ LightFrame make_frame(const Light& light, const FrameGrid& grid, int axis_z, flo
 
 LightFrame parallel_frame(const Light& light, const FrameGrid& grid) {
     const auto& d = light.xyzw;
-    int axis = 0;
-    for (int i = 1; i < 3; ++i)
-        if (std::fabs(d[i]) > std::fabs(d[axis])) axis = i;
+    const int axis = largest_axis(abs(loaded(d.data())));
     LightFrame frame = make_frame(light, grid, axis, d[axis] > 0 ? 1.0f : -1.0f);
     // Quotients in double, rounded once: within u of the real slopes (the bound in projection.h allows 4u).
     frame.shear_x = static_cast<float>(double(d[frame.axis_x]) / double(d[axis]));

@@ -112,13 +112,11 @@ private:
         view.cancels = settings_.cancel;
         view.light = float4_of(light.xyzw);
         std::copy(camera.eye.begin(), camera.eye.end(), view.eye.values);
-        store(view.right, scaled(camera.right, pixel));
-        store(view.up, scaled(camera.up, -pixel));
-        Double3 corner;
-        for (int i = 0; i < 3; ++i)
-            corner[i] = camera.forward[i] - 0.5 * seen->width * pixel * camera.right[i] +
-                        0.5 * seen->height * pixel * camera.up[i];
-        store(view.forward, corner);
+        const glm::dvec3 right = loaded(camera.right), up = loaded(camera.up);
+        store(view.right, right * pixel);
+        store(view.up, up * -pixel);
+        store(view.forward,
+              loaded(camera.forward) - 0.5 * seen->width * pixel * right + 0.5 * seen->height * pixel * up);
         view.width = seen->width;
         view.height = seen->height;
         view.tiles_x = divided_up(view.width, VOLUME_TILE);

@@ -29,7 +29,9 @@ struct Elements {
     }
     /// A component as a double; every component type has an exact one, but for the quotient of a normalized integer.
     double number(std::size_t element, int component) const;
-    Double3 double3(std::size_t element) const { return {number(element, 0), number(element, 1), number(element, 2)}; }
+    glm::dvec3 double3(std::size_t element) const {
+        return {number(element, 0), number(element, 1), number(element, 2)};
+    }
     /// A component of an unsigned integer type.
     std::uint32_t index(std::size_t element, int component) const;
 };

@@ -19,21 +19,18 @@ constexpr double margin = 1.05;
 constexpr Float3 origin{0, 0, 0};
 
 struct Bounds {
-    Double3 least, most;
+    glm::dvec3 least, most;
     bool is_empty = true;
 };
 
 Bounds bounds_of_finite_triangles(const Scene& scene) {
     constexpr double infinity = std::numeric_limits<double>::infinity();
-    Bounds b{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}, true};
+    Bounds b{glm::dvec3(infinity), glm::dvec3(-infinity), true};
     for (std::size_t i = 0; i < scene.triangle_count(); ++i) {
         if (!scene.is_finite(i)) continue;
         const float* t = &scene.triangles[9 * i];
         b.is_empty = false;
-        for (int k = 0; k < 9; ++k) {
-            b.least[k % 3] = std::min(b.least[k % 3], double(t[k]));
-            b.most[k % 3] = std::max(b.most[k % 3], double(t[k]));
-        }
+        for (int k = 0; k < 9; k += 3) b.least = min(b.least, loaded(t + k)), b.most = max(b.most, loaded(t + k));
     }
     return b;
 }
@@ -67,7 +64,7 @@ struct LineHits {
 /// Lines along one axis.
 class Lines {
 public:
-    Lines(int axis, const Double3& middle) : axis_(axis), middle_(middle) {}
+    Lines(int axis, const glm::dvec3& middle) : axis_(axis), middle_(middle) {}
 
     void through_middle() { add_line(middle_[(axis_ + 1) % 3], middle_[(axis_ + 2) % 3]); }
     void all_over(const Bounds& bounds) {
@@ -107,7 +104,7 @@ private:
     }
 
     int axis_;
-    Double3 middle_;
+    glm::dvec3 middle_;
     std::vector<std::array<double, 2>> at_;  ///< the first coordinate does not fall
 };
 
@@ -118,14 +115,14 @@ void meet(const Scene& scene, std::span<Lines> lines) {
 }
 
 /// True if lines from the four sides mostly meet backs first, or a plain box.
-bool hides_its_inside(const Scene& scene, const Bounds& bounds, const Double3& middle) {
+bool hides_its_inside(const Scene& scene, const Bounds& bounds, const glm::dvec3& middle) {
     std::array<Lines, 2> lines{Lines(0, middle), Lines(2, middle)};
     for (Lines& of_axis : lines) of_axis.all_over(bounds);
     meet(scene, lines);
     std::size_t backs = 0, seen = 0, on_box = 0;
-    for (std::size_t i = 0; i < 2; ++i) {
+    for (int i = 0; i < 2; ++i) {
         const double least = bounds.least[2 * i], most = bounds.most[2 * i], near = box_share * (most - least);
-        for (const LineHits& line : lines[i].hits) {
+        for (const LineHits& line : lines[std::size_t(i)].hits) {
             if (!std::isfinite(line.outer[0])) continue;
             seen += 2;
             backs += std::size_t(line.is_outer_up[0]) + std::size_t(!line.is_outer_up[1]);
@@ -139,9 +136,8 @@ bool hides_its_inside(const Scene& scene, const Bounds& bounds, const Double3& m
 /// Nothing for other scenes.
 std::optional<Camera> interior_camera(const Scene& scene, const Bounds& bounds) {
     constexpr double eye_height = 0.3, eye_distance = 0.2, interior_fov_y_degrees = 65;
-    Double3 middle;
-    for (int i = 0; i < 3; ++i) middle[i] = bounds.least[i] / 2 + bounds.most[i] / 2;
-    middle[1] = bounds.least[1] + eye_height * (bounds.most[1] - bounds.least[1]);
+    glm::dvec3 middle = bounds.least / 2.0 + bounds.most / 2.0;
+    middle.y = bounds.least.y + eye_height * (bounds.most.y - bounds.least.y);
     std::array<Lines, 3> lines{Lines(0, middle), Lines(1, middle), Lines(2, middle)};
     for (Lines& of_axis : lines) of_axis.through_middle();
     meet(scene, lines);
@@ -149,13 +145,13 @@ std::optional<Camera> interior_camera(const Scene& scene, const Bounds& bounds) 
     for (const LineHits* line : {&x, &z})
         if (!line->is_met(0) || !line->is_met(1) || !line->is_inner_up[0] || line->is_inner_up[1]) return {};
     if (!y.is_met(0) || !y.is_inner_up[0] || !hides_its_inside(scene, bounds, middle)) return {};
-    const std::size_t axis = x.inner[1] - x.inner[0] >= z.inner[1] - z.inner[0] ? 0 : 2;
+    const int axis = x.inner[1] - x.inner[0] >= z.inner[1] - z.inner[0] ? 0 : 2;
     const LineHits& longer = axis == 0 ? x : z;
-    Double3 eye = middle, target = middle;
+    glm::dvec3 eye = middle, target = middle;
     eye[axis] = longer.inner[1] - eye_distance * (longer.inner[1] - longer.inner[0]);
     target[axis] = longer.inner[0];
-    if (rounded(eye) == rounded(target)) return {};
-    return Camera::look_at(rounded(eye), rounded(target), {0, 1, 0}, interior_fov_y_degrees);
+    if (array_of(eye) == array_of(target)) return {};
+    return Camera::look_at(array_of(eye), array_of(target), {0, 1, 0}, interior_fov_y_degrees);
 }
 
 }  // namespace
@@ -166,28 +162,21 @@ Camera framing_camera(const Scene& scene) {
     const Bounds bounds = bounds_of_finite_triangles(scene);
     if (bounds.is_empty) return camera;
     if (const std::optional<Camera> inside = interior_camera(scene, bounds)) return *inside;
-    Double3 center, half;
-    for (int i = 0; i < 3; ++i) {
-        center[i] = bounds.least[i] / 2 + bounds.most[i] / 2;
-        half[i] = bounds.most[i] / 2 - bounds.least[i] / 2;
-    }
+    const glm::dvec3 center = bounds.least / 2.0 + bounds.most / 2.0, half = bounds.most / 2.0 - bounds.least / 2.0;
+    const glm::dvec3 right = loaded(camera.right), up = loaded(camera.up), forward = loaded(camera.forward);
     // Far enough for each corner of the box: |x|, |y| <= (distance + z) tan(fov_y / 2), in a picture no narrower than
     // it is high.
     const double slope = std::tan(camera.fov_y_radians / 2);
-    double distance = 0, largest = 0;
+    double distance = 0;
     for (int corner = 0; corner < 8; ++corner) {
-        Double3 v;
-        for (int i = 0; i < 3; ++i) v[i] = corner >> i & 1 ? half[i] : -half[i];
-        const double across = std::max(std::fabs(dot(v, camera.right)), std::fabs(dot(v, camera.up)));
-        distance = std::max(distance, across / slope - dot(v, camera.forward));
+        const glm::dvec3 v = mix(-half, half, glm::bvec3(corner & 1, corner & 2, corner & 4));
+        const double across = std::max(std::fabs(dot(v, right)), std::fabs(dot(v, up)));
+        distance = std::max(distance, across / slope - dot(v, forward));
     }
-    for (const double c : center) largest = std::max(largest, std::fabs(c));
     // A small thing far from the origin: the eye is rounded to float32, so it must be many ulps (2^-24) away.
-    distance = std::max({distance * margin, std::ldexp(largest, -14), 1e-3});
+    distance = std::max({distance * margin, std::ldexp(largest_coordinate(center), -14), 1e-3});
     constexpr double limit = std::numeric_limits<float>::max();
-    Double3 eye;
-    for (int i = 0; i < 3; ++i) eye[i] = std::clamp(center[i] - distance * camera.forward[i], -limit, limit);
-    camera.eye = rounded(eye);
+    camera.eye = array_of(clamp(center - distance * forward, -limit, limit));
     return camera;
 }
 

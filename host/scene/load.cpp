@@ -260,18 +260,16 @@ private:
             return;
         }
         // A camera looks along its node's -Z with +Y up; scaling has no meaning for it.
-        Double3 forward = scaled(visit.world_from_node.axis(2), -1);
-        Double3 up = visit.world_from_node.axis(1);
-        Double3 right{};
-        const bool is_usable = normalize(forward) && normalize(up) && normalize(right = cross(forward, up));
-        named.camera.eye = rounded(visit.world_from_node.translation);
+        glm::dvec3 forward = -visit.world_from_node.linear[2], up = visit.world_from_node.linear[1], right{};
+        const bool is_usable = make_unit(forward) && make_unit(up) && make_unit(right = cross(forward, up));
+        named.camera.eye = array_of(visit.world_from_node.translation);
         if (!is_usable || !is_finite(named.camera.eye)) {
             work_.unusable.push_back("camera " + in_quotes(named.name));
             return;
         }
-        named.camera.right = right;
-        named.camera.forward = forward;
-        named.camera.up = cross(right, forward);
+        named.camera.right = array_of<double>(right);
+        named.camera.forward = array_of<double>(forward);
+        named.camera.up = array_of<double>(cross(right, forward));
         named.camera.fov_y_radians = source.perspective.yfov;
         work_.scene.cameras.push_back(std::move(named));
     }
@@ -283,8 +281,8 @@ private:
         NamedLight named{name_or(node.name, source.name, "light", work_.scene.lights.size()), source.type, {}};
         const bool is_directional = source.type == "directional";
         // Light travels along the node's -Z.
-        const Float3 v =
-            rounded(is_directional ? scaled(visit.world_from_node.axis(2), -1) : visit.world_from_node.translation);
+        const Affine& world = visit.world_from_node;
+        const Float3 v = array_of(is_directional ? -world.linear[2] : world.translation);
         if (!is_finite(v) || (is_directional && v == Float3{0, 0, 0})) {
             work_.unusable.push_back("light " + in_quotes(named.name));
             return;
@@ -690,7 +688,7 @@ private:
             if (const auto it = triangles_of_mesh.find(model_.nodes[instance.node].mesh); it != triangles_of_mesh.end())
                 triangles = plus(triangles, times(it->second, instance.count));
         std::uint64_t bytes = plus(copied_bytes(read_accessors()), document_.decoded_bytes);
-        bytes = plus(bytes, times(largest_shape, sizeof(Double3)));
+        bytes = plus(bytes, times(largest_shape, sizeof(glm::dvec3)));
         bytes = plus(bytes, times(triangles, 9 * sizeof(float) + sizeof(std::uint32_t)));
         bytes = plus(bytes, times(triangles, bytes_beside_positions()));
         if (triangles >= no_receiver)
@@ -805,7 +803,7 @@ private:
     std::size_t with_vertices(const Part& part, const Shape& shape, const Write& write) {
         const std::size_t count = shape.base().count;
         if (shape.has_file_bits() || part.triangle_count * 3 < count) return write(shape);
-        std::vector<Double3> vertices(count);
+        std::vector<glm::dvec3> vertices(count);
         for (std::size_t i = 0; i < count; ++i) vertices[i] = shape(i);
         return write([&](std::size_t vertex) { return vertices[vertex]; });
     }
@@ -825,7 +823,7 @@ private:
             return write_corners(
                 part, index, [&](std::size_t i) { return shape.base().float3(i); }, out);
         return with_vertices(part, shape, [&](const auto& vertex) {
-            const auto place = [&](std::size_t i) { return rounded(is_identity ? vertex(i) : world(vertex(i))); };
+            const auto place = [&](std::size_t i) { return array_of(is_identity ? vertex(i) : world(vertex(i))); };
             return write_corners(part, index, place, out);
         });
     }

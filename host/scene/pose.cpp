@@ -8,25 +8,20 @@ namespace {
 
 /// glTF requires unit quaternions, but decimals are rarely exact: 2/|q|^2 instead of 2 gives a pure rotation for
 /// every q.
-std::array<Double3, 3> rotation_matrix(std::span<const double> q, const std::filesystem::path& file,
-                                       const std::string& what) {
+glm::dmat3 rotation_matrix(std::span<const double> q, const std::filesystem::path& file, const std::string& what) {
     const double x = q[0], y = q[1], z = q[2], w = q[3];
     const double length_squared = x * x + y * y + z * z + w * w;
     if (!(length_squared > 1e-12 && length_squared < 1e12))
         fail(file, "the rotation of " + what + " is no unit quaternion");
     const double s = 2 / length_squared;
-    return {{{1 - s * (y * y + z * z), s * (x * y - z * w), s * (x * z + y * w)},
-             {s * (x * y + z * w), 1 - s * (x * x + z * z), s * (y * z - x * w)},
-             {s * (x * z - y * w), s * (y * z + x * w), 1 - s * (x * x + y * y)}}};
+    return {{1 - s * (y * y + z * z), s * (x * y + z * w), s * (x * z - y * w)},
+            {s * (x * y - z * w), 1 - s * (x * x + z * z), s * (y * z + x * w)},
+            {s * (x * z + y * w), s * (y * z - x * w), 1 - s * (x * x + y * y)}};
 }
 
-/// GLM's matrices have columns.
 glm::dmat4 matrix_of(const Affine& a) {
-    glm::dmat4 m(1);
-    for (int row = 0; row < 3; ++row) {
-        for (int column = 0; column < 3; ++column) m[column][row] = a.linear[std::size_t(row)][std::size_t(column)];
-        m[3][row] = a.translation[std::size_t(row)];
-    }
+    glm::dmat4 m(a.linear);
+    m[3] = glm::dvec4(a.translation, 1);
     return m;
 }
 
@@ -36,10 +31,8 @@ Affine composed(std::span<const double> translation, std::span<const double> rot
                 std::span<const double> scale, const std::filesystem::path& file, const std::string& what) {
     Affine out;
     if (!rotation_xyzw.empty()) out.linear = rotation_matrix(rotation_xyzw, file, what);
-    if (!scale.empty())
-        for (Double3& row : out.linear)
-            for (std::size_t column = 0; column < 3; ++column) row[column] *= scale[column];
-    if (!translation.empty()) std::copy_n(translation.begin(), 3, out.translation.begin());
+    for (int column = 0; column < 3 && !scale.empty(); ++column) out.linear[column] *= scale[std::size_t(column)];
+    if (!translation.empty()) out.translation = loaded(translation.data());
     return out;
 }
 
@@ -47,11 +40,8 @@ Affine Pose::local(int index) const {
     const tinygltf::Node& node = model_.nodes[std::size_t(index)];
     const std::string what = "node " + (node.name.empty() ? std::to_string(index) : in_quotes(node.name));
     if (!node.matrix.empty()) {
-        Affine out;
-        for (std::size_t column = 0; column < 3; ++column)
-            for (std::size_t row = 0; row < 3; ++row) out.linear[row][column] = node.matrix[column * 4 + row];
-        for (std::size_t row = 0; row < 3; ++row) out.translation[row] = node.matrix[12 + row];
-        return out;
+        const double* m = node.matrix.data();
+        return {{loaded(m), loaded(m + 4), loaded(m + 8)}, loaded(m + 12)};
     }
     const auto moved = animated_.find(index);
     if (moved == animated_.end()) return composed(node.translation, node.rotation, node.scale, file_, what);

@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/geometric.hpp>
-#include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 #include <utility>
 
@@ -28,33 +26,22 @@ Shape::Shape(const std::filesystem::path& file, Accessors& accessors, const Vert
         influences_.push_back({&accessors.elements(vertices.joints[i]), &accessors.elements(vertices.weights[i])});
 }
 
-Double3 Shape::operator()(std::size_t vertex) const {
-    Double3 p = base_.double3(vertex);
-    for (const auto& [displacement, weight] : targets_)
-        for (int i = 0; i < 3; ++i) p[std::size_t(i)] += weight * displacement->number(vertex, i);
+glm::dvec3 Shape::operator()(std::size_t vertex) const {
+    glm::dvec3 p = base_.double3(vertex);
+    for (const auto& [displacement, weight] : targets_) p += weight * displacement->double3(vertex);
     return is_skinned() ? skinned(vertex, p) : p;
 }
 
 /// Normals are moved by the matrix of cofactors, the inverse's transpose times the determinant: a mirror turns them
 /// around, and the eye's side counts.
 Float3 Shape::normal(std::size_t vertex, const Affine& world) const {
-    const Double3 base = normals_->double3(vertex);
-    glm::dvec3 n(base[0], base[1], base[2]);
-    for (const auto& [displacement, weight] : normal_targets_)
-        for (int i = 0; i < 3; ++i) n[i] += weight * displacement->number(vertex, i);
-    glm::dvec3 columns[3];
-    if (is_skinned()) {
-        const glm::dmat4 matrix = blended(vertex);
-        for (int i = 0; i < 3; ++i) columns[i] = glm::dvec3(matrix[i]);
-    } else {
-        if (world.linear == Affine{}.linear) return {float(n.x), float(n.y), float(n.z)};
-        for (int i = 0; i < 3; ++i) columns[i] = {world.axis(i)[0], world.axis(i)[1], world.axis(i)[2]};
-    }
-    const glm::dvec3 moved = glm::cross(columns[1], columns[2]) * n.x + glm::cross(columns[2], columns[0]) * n.y +
-                             glm::cross(columns[0], columns[1]) * n.z;
-    const double largest = std::max({std::abs(moved.x), std::abs(moved.y), std::abs(moved.z)});
-    const glm::dvec3 sized = largest > 0 ? moved / largest : moved;
-    return {float(sized.x), float(sized.y), float(sized.z)};
+    glm::dvec3 n = normals_->double3(vertex);
+    for (const auto& [displacement, weight] : normal_targets_) n += weight * displacement->double3(vertex);
+    if (!is_skinned() && world.linear == glm::dmat3(1)) return array_of(n);
+    const glm::dmat3 m = is_skinned() ? glm::dmat3(blended(vertex)) : world.linear;
+    const glm::dvec3 moved = cross(m[1], m[2]) * n.x + cross(m[2], m[0]) * n.y + cross(m[0], m[1]) * n.z;
+    const double largest = largest_coordinate(moved);
+    return array_of(largest > 0 ? moved / largest : moved);
 }
 
 glm::dmat4 Shape::blended(std::size_t vertex) const {
@@ -71,7 +58,7 @@ glm::dmat4 Shape::blended(std::size_t vertex) const {
 
 /// The mean of the joints' images of p. Weights that do not quite add up to 1 are normalized, as the division by w
 /// after a projection does it in a rasterizer.
-Double3 Shape::skinned(std::size_t vertex, const Double3& p) const {
+glm::dvec3 Shape::skinned(std::size_t vertex, const glm::dvec3& p) const {
     glm::dvec4 sum(0);
     double weights = 0;
     for (const auto& [joints, joint_weights] : influences_)
@@ -81,10 +68,10 @@ Double3 Shape::skinned(std::size_t vertex, const Double3& p) const {
             const std::uint32_t joint = joints->index(vertex, i);
             if (joint >= joints_->size())
                 fail(file_, "{} names joint {}, but its skin has {}", what_, joint, counted(joints_->size(), "joint"));
-            sum += weight * ((*joints_)[joint] * glm::dvec4(p[0], p[1], p[2], 1));
+            sum += weight * ((*joints_)[joint] * glm::dvec4(p, 1));
             weights += weight;
         }
-    return {sum.x / weights, sum.y / weights, sum.z / weights};
+    return glm::dvec3(sum) / weights;
 }
 
 }  // namespace gnomon::scene

@@ -30,7 +30,7 @@ public:
     /// Positions are in world space; else in the node's.
     bool is_skinned() const { return joints_ != nullptr; }
     const Elements& base() const { return base_; }
-    Double3 operator()(std::size_t vertex) const;
+    glm::dvec3 operator()(std::size_t vertex) const;
 
     bool has_normals() const { return normals_ != nullptr; }
     /// The world's normal, of any length and of either sign. `world`: of an unskinned mesh.
@@ -38,7 +38,7 @@ public:
 
 private:
     glm::dmat4 blended(std::size_t vertex) const;
-    Double3 skinned(std::size_t vertex, const Double3& p) const;
+    glm::dvec3 skinned(std::size_t vertex, const glm::dvec3& p) const;
 
     struct Target {
         const Elements* displacement;

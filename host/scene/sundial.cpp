@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <numeric>
 
 #include "affine.hpp"
 #include "scene.hpp"
@@ -40,15 +41,15 @@ constexpr Material verdigris{8, {0.16f, 0.42f, 0.36f}};
 constexpr Material sandstone{9, {0.62f, 0.38f, 0.24f}};
 constexpr Material gold{10, {0.83f, 0.58f, 0.16f}};
 
-using Ring = std::vector<Double3>;
+using Ring = std::vector<glm::dvec3>;
 
 class Mason {
 public:
     explicit Mason(Scene& scene) : scene_(scene) {}
 
     /// Joins each ring to the next; the first and the last are closed by fans around `first_center`, `last_center`.
-    void loft(Material material, const std::vector<Ring>& rings, const Double3& first_center,
-              const Double3& last_center) {
+    void loft(Material material, const std::vector<Ring>& rings, const glm::dvec3& first_center,
+              const glm::dvec3& last_center) {
         join(rings);
         cap(rings.front(), first_center, true);
         cap(rings.back(), last_center, false);
@@ -68,14 +69,10 @@ public:
     }
 
 private:
-    using Corners = std::array<Double3, 3>;
+    using Corners = std::array<glm::dvec3, 3>;
 
-    static Double3 centroid(const Ring& ring) {
-        Double3 sum{};
-        for (const Double3& p : ring)
-            for (int i = 0; i < 3; ++i) sum[i] += p[i];
-        for (double& c : sum) c /= double(ring.size());
-        return sum;
+    static glm::dvec3 centroid(const Ring& ring) {
+        return std::accumulate(ring.begin(), ring.end(), glm::dvec3(0)) / double(ring.size());
     }
 
     void join(const std::vector<Ring>& rings) {
@@ -87,9 +84,9 @@ private:
             }
     }
 
-    void cap(const Ring& ring, const Double3& center, bool is_first) {
+    void cap(const Ring& ring, const glm::dvec3& center, bool is_first) {
         for (std::size_t i = 0; i < ring.size(); ++i) {
-            const Double3 &a = ring[i], &b = ring[(i + 1) % ring.size()];
+            const glm::dvec3 &a = ring[i], &b = ring[(i + 1) % ring.size()];
             solid_.push_back(is_first ? Corners{center, b, a} : Corners{center, a, b});
         }
     }
@@ -97,13 +94,12 @@ private:
     /// Winds the solid outwards (positive volume) and appends it.
     void finish(Material material) {
         double volume = 0;
-        const Double3& o = solid_.front()[0];
-        const auto from_o = [&o](const Double3& p) { return Double3{p[0] - o[0], p[1] - o[1], p[2] - o[2]}; };
-        for (const Corners& t : solid_) volume += dot(from_o(t[0]), cross(from_o(t[1]), from_o(t[2])));
+        const glm::dvec3& o = solid_.front()[0];
+        for (const Corners& t : solid_) volume += determinant(t[0] - o, t[1] - o, t[2] - o);
         for (Corners& t : solid_) {
             if (volume < 0) std::swap(t[1], t[2]);
-            for (const Double3& p : t) {
-                const Float3 corner = rounded(p);
+            for (const glm::dvec3& p : t) {
+                const Float3 corner = array_of(p);
                 scene_.triangles.insert(scene_.triangles.end(), corner.begin(), corner.end());
             }
             scene_.materials.triangle_material.push_back(material.index);
@@ -115,25 +111,23 @@ private:
     /// At each corner the mean of the faces that meet there, as large as they are, and bend by less than 30 degrees.
     /// None where a triangle's neighbours lie in its plane.
     void add_normals() {
-        std::map<Double3, std::vector<Double3>> faces;
-        std::vector<Double3> normals;
+        std::map<std::array<double, 3>, std::vector<glm::dvec3>> faces;
+        std::vector<glm::dvec3> normals;
         for (const Corners& t : solid_) {
-            const auto side = [&](int i) { return Double3{t[i][0] - t[0][0], t[i][1] - t[0][1], t[i][2] - t[0][2]}; };
-            normals.push_back(cross(side(1), side(2)));
-            for (const Double3& p : t) faces[p].push_back(normals.back());
+            normals.push_back(cross(t[1] - t[0], t[2] - t[0]));
+            for (const glm::dvec3& p : t) faces[array_of<double>(p)].push_back(normals.back());
         }
-        const auto cosine = [](const Double3& a, const Double3& b) {
+        const auto cosine = [](const glm::dvec3& a, const glm::dvec3& b) {
             return dot(a, b) / std::sqrt(dot(a, a) * dot(b, b));
         };
         for (std::size_t i = 0; i < solid_.size(); ++i) {
             std::array<std::uint32_t, 3> corners{};
             bool is_flat = true;
             for (std::size_t c = 0; c < 3; ++c) {
-                Double3 sum{};
-                for (const Double3& n : faces[solid_[i][c]])
-                    if (cosine(n, normals[i]) > std::cos(30 * degree))
-                        for (int k = 0; k < 3; ++k) sum[k] += n[k];
-                corners[c] = pack_normal(rounded(sum));
+                glm::dvec3 sum{};
+                for (const glm::dvec3& n : faces[array_of<double>(solid_[i][c])])
+                    if (cosine(n, normals[i]) > std::cos(30 * degree)) sum += n;
+                corners[c] = pack_normal(array_of(sum));
                 is_flat = is_flat && cosine(sum, normals[i]) > 1 - 1e-9;
             }
             if (is_flat) corners = {};
@@ -374,13 +368,13 @@ void blade(Mason& mason) {
                     {x, plate_top + 0.16, north + 0.03}, {x, plate_top - sunk, north - 0.03}};
     };
     // The outline is not convex: its caps are fans around a point from which all of the outline is visible.
-    const auto center = [&](double x) { return Double3{x, plate_top + 0.30, north + 0.26}; };
+    const auto center = [&](double x) { return glm::dvec3(x, plate_top + 0.30, north + 0.26); };
     mason.loft(verdigris, {outline(-half_thickness), outline(half_thickness)}, center(-half_thickness),
                center(half_thickness));
 }
 
 /// From the dial to the sun, in the sky's own terms: declination, hour angle (afternoon positive) and latitude.
-Double3 toward_sun() {
+glm::dvec3 toward_sun() {
     const double west = std::cos(declination) * std::sin(hour_angle);
     const double up =
         std::sin(latitude) * std::sin(declination) + std::cos(latitude) * std::cos(declination) * std::cos(hour_angle);
@@ -407,8 +401,8 @@ Scene sundial() {
     hour_lines(mason);
     blade(mason);
     scene.cameras.push_back({"default", Camera::look_at({2.45f, 2.95f, 1.75f}, {-0.3f, 1.0f, -0.3f}, {0, 1, 0}, 45)});
-    const Double3 sun = toward_sun();
-    scene.lights.push_back({"sun", "directional", Light::directional(rounded({-sun[0], -sun[1], -sun[2]}))});
+    const glm::dvec3 sun = toward_sun();
+    scene.lights.push_back({"sun", "directional", Light::directional(array_of(-sun))});
     return scene;
 }
 

@@ -32,16 +32,11 @@ constexpr struct {
 
 /// Distance along the shadow ray from the point to the triangle's plane. Rounded: it orders the report, no decision.
 double distance_along_ray(const ExplainedTriangle& t, const Float3& point, const Light& light) {
-    Double3 u, v, to_plane, ray;
-    for (std::size_t i = 0; i < 3; ++i) {
-        u[i] = double(t.vertices[3 + i]) - t.vertices[i];
-        v[i] = double(t.vertices[6 + i]) - t.vertices[i];
-        to_plane[i] = double(t.vertices[i]) - point[i];
-        ray[i] = double(light.xyzw[i]) - (light.is_directional() ? 0.0 : double(point[i]));
-    }
-    if (!normalize(ray)) return 0;
-    const Double3 normal = cross(u, v);
-    return dot(normal, to_plane) / dot(normal, ray);
+    const glm::dvec3 a = loaded(t.vertices), from = loaded(point);
+    glm::dvec3 ray = loaded(light.xyzw.data()) - (light.is_directional() ? glm::dvec3(0) : from);
+    if (!make_unit(ray)) return 0;
+    const glm::dvec3 normal = cross(loaded(t.vertices + 3) - a, loaded(t.vertices + 6) - a);
+    return dot(normal, a - from) / dot(normal, ray);
 }
 
 TriangleSigns signs_of(const ExplainedTriangle& t, const Float3& point, const Light& light) {

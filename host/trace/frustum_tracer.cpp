@@ -82,16 +82,7 @@ void FrustumTracer::set(const TracerSettings& settings) {
 // ---- A frame --------------------------------------------------------------------------------------------------------
 
 TraceInputs FrustumTracer::frame_inputs(const FramedInputs& in, cl_uint frame, const cl::Buffer* map) const {
-    return {.light_frame = in.light_frame,
-            .first_frame = frame,
-            .frame_count = 1,
-            .triangles = in.triangles,
-            .points = in.points,
-            .projections = frames_.projection(),
-            .map = map,
-            .lists = list_buffers(lists_.bins(), lists_.setup()),
-            .visibility = in.visibility,
-            .counters = counters_};
+    return trace_inputs(in, frame, frames_.projection(), map, list_buffers(lists_.bins(), lists_.setup()), counters_);
 }
 
 void FrustumTracer::observe(Moment moment, const TraceInputs& inputs, const TracedRun& run) {

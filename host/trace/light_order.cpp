@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lists/morton.hpp"
+
 namespace gnomon {
 namespace {
 
@@ -14,35 +16,29 @@ constexpr std::uint32_t most_runs = 1024;
 constexpr std::uint32_t least_points = 16384;
 constexpr double least_run_in_bins = 2, least_run_beside_sorted = 2;
 
-struct Extent {
-    std::array<double, 2> low{1e300, 1e300}, high{-1e300, -1e300};
-
-    double size(int axis) const { return high[axis] - low[axis]; }
-    bool is_finite() const { return std::isfinite(size(0)) && std::isfinite(size(1)) && size(0) >= 0; }
-    void add(const Extent& other) {
-        for (int axis = 0; axis < 2; ++axis) {
-            low[axis] = std::min(low[axis], other.low[axis]);
-            high[axis] = std::max(high[axis], other.high[axis]);
-        }
-    }
-};
+bool is_finite(const Rectangle& rectangle) {
+    const glm::dvec2 size = rectangle.size();
+    return std::isfinite(size.x) && std::isfinite(size.y) && size.x >= 0;
+}
 
 struct Sampled {
-    Extent all;
+    Rectangle all{};
     double run_in_bins = 0;  ///< the mean of the runs' larger sides, in bins
 };
 
 Sampled sampled_from(const std::vector<std::array<float, 4>>& boxes, const LightFrame& frame) {
     Sampled made;
-    std::vector<Extent> runs;
+    std::vector<Rectangle> runs;
     for (const auto& [low_x, low_y, high_x, high_y] : boxes) {
-        const Extent run{{low_x, low_y}, {high_x, high_y}};
-        if (!run.is_finite()) continue;
+        const Rectangle run{{low_x, low_y}, {high_x, high_y}};
+        if (!is_finite(run)) continue;
         runs.push_back(run);
         made.all.add(run);
     }
-    for (const Extent& run : runs)
-        made.run_in_bins += std::max(run.size(0) / made.all.size(0), run.size(1) / made.all.size(1)) * frame.bins_x;
+    for (const Rectangle& run : runs) {
+        const glm::dvec2 shares = run.size() / made.all.size();
+        made.run_in_bins += std::max(shares.x, shares.y) * frame.bins_x;
+    }
     made.run_in_bins /= double(std::max<std::size_t>(runs.size(), 1));
     return made;
 }
@@ -69,13 +65,13 @@ std::optional<PointInputs> LightOrder::sort(cl::Session& session, Statistics& st
     session.launch("trace/light_order.cl", "light_order_extents", cl::Range::items(runs), params, points.positions,
                    boxes_);
     const Sampled found = sampled_from(session.read_values<std::array<float, 4>>(boxes_.get(), runs), light_frame);
-    if (!found.all.is_finite() || !(found.all.size(0) > 0) || !(found.all.size(1) > 0)) return {};
+    if (!is_finite(found.all) || !(found.all.size().x > 0) || !(found.all.size().y > 0)) return {};
     const double sorted_run_in_bins = std::sqrt(double(LIGHT_ORDER_RUN) / count) * light_frame.bins_x;
     if (is_auto && !(found.run_in_bins > std::max(least_run_in_bins, least_run_beside_sorted * sorted_run_in_bins)))
         return {};
     for (int axis = 0; axis < 2; ++axis) {
         params.origin[axis] = static_cast<float>(found.all.low[axis]);
-        params.scale[axis] = static_cast<float>((1u << LIGHT_ORDER_BITS) / found.all.size(axis));
+        params.scale[axis] = static_cast<float>((1u << LIGHT_ORDER_BITS) / found.all.size()[axis]);
     }
     try {
         return sorted(session, params, points);

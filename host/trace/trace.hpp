@@ -6,7 +6,7 @@
 #include "kernels/trace/trace.h"
 #include "occluders/bins.hpp"
 #include "query/variants.hpp"
-#include "receivers/light_frame.hpp"
+#include "receivers/light_frames.hpp"
 
 namespace gnomon {
 
@@ -32,6 +32,12 @@ struct TraceInputs {
     cl_mem visibility;
     const cl::Buffer& counters;
 };
+
+/// The inputs of a trace in one frame of a run.
+inline TraceInputs trace_inputs(const FramedInputs& in, cl_uint frame, const cl::Buffer& projection,
+                                const cl::Buffer* map, const ListBuffers& lists, const cl::Buffer& counters) {
+    return {in.light_frame, frame, 1, in.triangles, in.points, projection, map, lists, in.visibility, counters};
+}
 
 class Trace {
 public:

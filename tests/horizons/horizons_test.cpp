@@ -77,7 +77,7 @@ Decided expect_decisions(const gnomon::Device& device, LightScene scene, const g
     const gnomon::LightsOutputs outputs;
     const gnomon::LightsOptions options;
     const gnomon::LightsRun run{device, triangles, points, lights, outputs, options};
-    const gnomon::SortedPoints sorted = gnomon::sorted_points(run);
+    const gnomon::SortedPoints sorted(run);
     const gnomon::WideBvh tree(device, triangles);
     const gnomon::BvhRun through_tree{run, sorted, tree};
     const auto bundles = gnomon::make_sector_bundles(lights.lights(), 32, field.field().axis);

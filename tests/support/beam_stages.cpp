@@ -53,7 +53,7 @@ BeamStage::BeamStage(const gnomon::Device& device, const LightScene& scene, std:
       points_(upload_points(device, scene)),
       lights_({lights.begin(), lights.end()}),
       run_{device_, triangles_, points_, lights_, outputs_, options_},
-      sorted_(gnomon::sorted_points(run_)),
+      sorted_(run_),
       tree_(device, triangles_),
       tree_run_{run_, sorted_, tree_},
       bundles_(bundles_of(method, lights, bundle_lights)),

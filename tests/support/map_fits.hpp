@@ -11,7 +11,8 @@
 
 namespace support {
 
-using gnomon::Double3;
+using Double3 = glm::dvec3;
+using gnomon::loaded;
 using gnomon::MapView;
 
 /// A wide floor with posts.
@@ -51,15 +52,12 @@ struct Scene {
     explicit Scene(const gnomon::Device& on = shared_device())
         : Scene(gnomon::Camera::look_at({0, 3, 30}, {2, 1, 0}, {0, 1, 0}, 50), on) {}
 
-    double depth(const Double3& p) const {
-        return gnomon::dot(camera.forward, {p[0] - camera.eye[0], p[1] - camera.eye[1], p[2] - camera.eye[2]});
-    }
+    double depth(const Double3& p) const { return dot(loaded(camera.forward), p - loaded(camera.eye)); }
     double tangent_up() const { return std::tan(camera.fov_y_radians / 2); }
     double tangent_right() const { return tangent_up() * 96 / 64; }
 };
 
-inline Double3 to_double(const float* v) { return {v[0], v[1], v[2]}; }
-inline Double3 sum(const Double3& a, const Double3& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
+inline Double3 to_double(const float* v) { return loaded(v); }
 
 struct Fitted {
     std::vector<MapView> views;
@@ -100,9 +98,7 @@ inline SceneBox place(const MapView& view, const Double3& p) {
 
 /// Steepness of u (or v) in world space, per unit.
 inline double slope(const MapView& view, const float* row, double value, const Double3& p) {
-    Double3 gradient;
-    for (int i = 0; i < 3; ++i) gradient[i] = row[i] - value * view.row_w[i];
-    return std::sqrt(gnomon::dot(gradient, gradient)) / std::fabs(place(view, p).w);
+    return length(loaded(row) - value * loaded(&view.row_w[0])) / std::fabs(place(view, p).w);
 }
 
 inline bool is_inside(const SceneBox& at) { return at.u >= 0 && at.u <= 1 && at.v >= 0 && at.v <= 1; }

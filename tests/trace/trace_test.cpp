@@ -279,18 +279,10 @@ TEST(Trace, WritesOnlyItsOwn) {
     gnomon::FrameCounters counted = out.counters;
     counted.uncertain = 0;
     session.write(inputs.counters.get(), &counted, sizeof(counted));
-    const gnomon::TriangleInputs triangles = inputs.triangle_inputs();
-    const gnomon::PointInputs points = inputs.point_inputs();
-    const gnomon::TraceInputs trace_inputs{.light_frame = out.frame,
-                                           .first_frame = 0,
-                                           .frame_count = 1,
-                                           .triangles = triangles,
-                                           .points = points,
-                                           .projections = stages.projection,
-                                           .map = nullptr,
-                                           .lists = gnomon::list_buffers(stages.lists.bins(), stages.lists.setup()),
-                                           .visibility = visibility.get(),
-                                           .counters = inputs.counters};
+    const gnomon::FramedInputs framed{inputs.triangle_inputs(), inputs.point_inputs(), out.frame, visibility.get()};
+    const gnomon::TraceInputs trace_inputs =
+        gnomon::trace_inputs(framed, 0, stages.projection, nullptr,
+                             gnomon::list_buffers(stages.lists.bins(), stages.lists.setup()), inputs.counters);
     stages.trace.run(session, gnomon::Task::trace, trace_inputs, nullptr);
     stages.trace.decide_queue(session, trace_inputs);
     session.read(inputs.counters.get(), &counted, sizeof(counted));

@@ -25,20 +25,11 @@ using make_scenes::Random;
 // ---- Points ---------------------------------------------------------------------------------------------------------
 
 /// Of a triangle: outward by its winding, as long as twice its area.
-Double3 normal_of(const float* v) {
-    Double3 e{}, f{};
-    for (std::size_t c = 0; c < 3; ++c) {
-        e[c] = double(v[3 + c]) - v[c];
-        f[c] = double(v[6 + c]) - v[c];
-    }
-    return cross(e, f);
-}
+glm::dvec3 normal_of(const float* v) { return cross(loaded(v + 3) - loaded(v), loaded(v + 6) - loaded(v)); }
 
-double length_of(const Double3& v) { return std::sqrt(dot(v, v)); }
-
-void append_unit(std::vector<float>& normals, const Double3& n) {
-    const double length = length_of(n);
-    for (const double c : n) normals.push_back(static_cast<float>(c / length));
+void append_unit(std::vector<float>& normals, const glm::dvec3& n) {
+    const Float3 unit = array_of(n / length(n));
+    normals.insert(normals.end(), unit.begin(), unit.end());
 }
 
 void points_on_faces(LightsQuestion& question, std::uint64_t count) {
@@ -46,7 +37,7 @@ void points_on_faces(LightsQuestion& question, std::uint64_t count) {
     std::vector<double> area_up_to;
     double sum = 0, largest = 0;
     for (std::size_t t = 0; t < vertices.size() / 9; ++t) {
-        const double twice = length_of(normal_of(&vertices[9 * t]));
+        const double twice = length(normal_of(&vertices[9 * t]));
         if (std::isfinite(twice)) sum += twice;
         area_up_to.push_back(sum);
     }
@@ -58,16 +49,16 @@ void points_on_faces(LightsQuestion& question, std::uint64_t count) {
         const auto t =
             static_cast<std::size_t>(std::ranges::upper_bound(area_up_to, random.unit() * sum) - area_up_to.begin());
         const float* v = &vertices[9 * t];
-        const Double3 n = normal_of(v);
-        const double lift = 2e-6 * largest / length_of(n);
+        const glm::dvec3 n = normal_of(v);
+        const double lift = 2e-6 * largest / length(n);
         double a = random.unit(), b = random.unit();
         if (a + b > 1) {
             a = 1 - a;
             b = 1 - b;
         }
-        for (std::size_t c = 0; c < 3; ++c)
-            question.positions.push_back(
-                static_cast<float>(v[c] + a * (double(v[3 + c]) - v[c]) + b * (double(v[6 + c]) - v[c]) + lift * n[c]));
+        const glm::dvec3 o = loaded(v);
+        const Float3 at = array_of(o + a * (loaded(v + 3) - o) + b * (loaded(v + 6) - o) + lift * n);
+        question.positions.insert(question.positions.end(), at.begin(), at.end());
         append_unit(question.normals, n);
         question.receivers.push_back(static_cast<std::uint32_t>(t));
     }
@@ -76,12 +67,10 @@ void points_on_faces(LightsQuestion& question, std::uint64_t count) {
 // Selection sampling (Knuth 3.4.2 S): every choice of `count` vertices is equally likely.
 void points_on_vertices(LightsQuestion& question, std::uint64_t count) {
     const std::vector<float>& vertices = question.scene.scene.triangles;
-    std::map<std::array<float, 3>, Double3> normals;
+    std::map<std::array<float, 3>, glm::dvec3> normals;
     for (std::size_t corner = 0; corner < vertices.size() / 3; ++corner) {
         const float* at = &vertices[3 * corner];
-        const Double3 n = normal_of(&vertices[corner / 3 * 9]);
-        Double3& sum = normals[{at[0], at[1], at[2]}];
-        for (std::size_t c = 0; c < 3; ++c) sum[c] += n[c];
+        normals[{at[0], at[1], at[2]}] += normal_of(&vertices[corner / 3 * 9]);
     }
     Random random(1);
     std::uint64_t left = normals.size(), wanted = count;

@@ -50,9 +50,9 @@ void store_camera(const PointsCamera& from, ViewPlan& plan) {
     const double tangent = std::tan(from.camera.fov_y_radians / 2);
     std::copy(from.camera.eye.begin(), from.camera.eye.end(), plan.eye.values);
     plan.eye[3] = 1;
-    store(plan.right, from.camera.right);
-    store(plan.up, from.camera.up);
-    store(plan.forward, from.camera.forward);
+    store(plan.right, loaded(from.camera.right));
+    store(plan.up, loaded(from.camera.up));
+    store(plan.forward, loaded(from.camera.forward));
     plan.right[3] = static_cast<float>(tangent * from.width / std::max(from.height, 1u));
     plan.up[3] = static_cast<float>(tangent);
 }
@@ -117,9 +117,9 @@ PixelSteps pixel_steps(const PointsCamera& from) {
     PixelSteps steps{};
     const double pixel = 2 * std::tan(from.camera.fov_y_radians / 2) / from.height;
     std::copy(from.camera.eye.begin(), from.camera.eye.end(), steps.eye.values);
-    store(steps.forward, from.camera.forward);
-    store(steps.step_x, scaled(from.camera.right, pixel));
-    store(steps.step_y, scaled(from.camera.up, -pixel));
+    store(steps.forward, loaded(from.camera.forward));
+    store(steps.step_x, loaded(from.camera.right) * pixel);
+    store(steps.step_y, loaded(from.camera.up) * -pixel);
     return steps;
 }
 

@@ -16,7 +16,7 @@ using namespace support;
 /// Whether the direction from the point light lies within the face.
 bool is_on_face(const Fitted& fitted, const MapView& view, const Double3& p) {
     if (view.face == NO_FACE) return true;
-    const std::uint32_t axis = view.face / 2;
+    const int axis = int(view.face / 2);
     Double3 d;
     for (int i = 0; i < 3; ++i) d[i] = p[i] - fitted.set.light[i];
     const double reach = (view.face % 2 == 1 ? -d[axis] : d[axis]) * (1 + FACE_RIM);
@@ -37,9 +37,9 @@ const MapView* view_of(const Fitted& fitted, const Scene& scene, const Double3& 
 
 /// Towards the light from p, unit length.
 Double3 towards(const gnomon::Light& light, const Double3& p) {
-    Double3 d{light.xyzw[0], light.xyzw[1], light.xyzw[2]};
-    if (!light.is_directional()) d = {d[0] - p[0], d[1] - p[1], d[2] - p[2]};
-    gnomon::normalize(d);
+    Double3 d = loaded(light.xyzw.data());
+    if (!light.is_directional()) d -= p;
+    gnomon::make_unit(d);
     return d;
 }
 
@@ -94,7 +94,7 @@ TEST(Projection, HoldsEveryPointAndWhatCastsOnIt) {
                 const SceneBox at = place(*view, p);
                 EXPECT_TRUE(at.depth >= 0 && at.depth <= 1) << at.depth;
                 // A caster 3 m nearer: same texel, smaller depth, and for a direction by the same for all points.
-                const SceneBox nearer = place(*view, sum(p, gnomon::scaled(towards(light, p), 3)));
+                const SceneBox nearer = place(*view, p + 3.0 * towards(light, p));
                 EXPECT_LT(nearer.depth, at.depth);
                 // Rows are floats: what they are off by is less than a twentieth of a texel, or a tenth of a
                 // millimetre where a view of few points has texels finer than that.
@@ -270,17 +270,15 @@ TEST(Partition, IsTheSameForEveryWorkGroupSize) {
 
 /// The camera's post-perspective place of p, for planes n and f.
 Double3 post_perspective(const Scene& scene, const Double3& p, double n, double f) {
-    const Double3 q{p[0] - scene.camera.eye[0], p[1] - scene.camera.eye[1], p[2] - scene.camera.eye[2]};
-    const double z = gnomon::dot(q, scene.camera.forward);
-    return {gnomon::dot(q, scene.camera.right) / (z * scene.tangent_right()),
-            gnomon::dot(q, scene.camera.up) / (z * scene.tangent_up()), (f + n) / (f - n) - 2 * f * n / ((f - n) * z)};
+    const Double3 q = p - loaded(scene.camera.eye);
+    const double z = dot(q, loaded(scene.camera.forward));
+    return {dot(q, loaded(scene.camera.right)) / (z * scene.tangent_right()),
+            dot(q, loaded(scene.camera.up)) / (z * scene.tangent_up()), (f + n) / (f - n) - 2 * f * n / ((f - n) * z)};
 }
 
 Double3 from_camera(const Scene& scene, double x, double y, double z) {
-    Double3 p{scene.camera.eye[0], scene.camera.eye[1], scene.camera.eye[2]};
-    p = sum(p, gnomon::scaled(scene.camera.right, x * z * scene.tangent_right()));
-    p = sum(p, gnomon::scaled(scene.camera.up, y * z * scene.tangent_up()));
-    return sum(p, gnomon::scaled(scene.camera.forward, z));
+    return loaded(scene.camera.eye) + loaded(scene.camera.right) * (x * z * scene.tangent_right()) +
+           loaded(scene.camera.up) * (y * z * scene.tangent_up()) + loaded(scene.camera.forward) * z;
 }
 
 /// The world point at a post-perspective place.
@@ -300,7 +298,7 @@ Settings whole_frustum_of(const char* projection) {
 // parallel projection of the post-perspective cube, and keeps the middle of any two places in the middle.
 TEST(Projection, PsmSeesThePostPerspectiveCubeInParallelIfTheLightIsAcross) {
     Scene scene;
-    const Double3& up = scene.camera.up;
+    const Double3 up = loaded(scene.camera.up);
     const auto across = gnomon::Light::directional({float(-up[0]), float(-up[1]), float(-up[2])});
     const MapView view = fit(scene, across, whole_frustum_of("psm")).views.at(0);
     Random random(3);
@@ -408,15 +406,15 @@ TEST(Projection, FrustumSidesHoldTheRaysThatLeaveThroughThem) {
         for (int i = 0; i < 200; ++i) {
             const double z = random.between(4.1f, 99);
             const Double3 p = from_camera(scene, random.between(-1, 1) * 0.999, random.between(-1, 1) * 0.999, z);
-            const Double3 away = gnomon::scaled(towards(light, p), -1);
+            const Double3 away = -towards(light, p);
             // Values of the six planes at p and along the ray, in the order of the views.
             const auto planes = [&](const Double3& q) {
-                const double x = gnomon::dot(q, scene.camera.right), y = gnomon::dot(q, scene.camera.up),
-                             depth = gnomon::dot(q, scene.camera.forward);
+                const double x = dot(q, loaded(scene.camera.right)), y = dot(q, loaded(scene.camera.up)),
+                             depth = dot(q, loaded(scene.camera.forward));
                 const double s = depth * scene.tangent_right(), t = depth * scene.tangent_up();
                 return std::array<double, 6>{x - s, -x - s, y - t, -y - t, depth, -depth};
             };
-            const Double3 from_eye{p[0] - scene.camera.eye[0], p[1] - scene.camera.eye[1], p[2] - scene.camera.eye[2]};
+            const Double3 from_eye = p - loaded(scene.camera.eye);
             std::array<double, 6> at = planes(from_eye), along = planes(away);
             at[4] -= f, at[5] += n;
             int exit = -1;
@@ -425,7 +423,7 @@ TEST(Projection, FrustumSidesHoldTheRaysThatLeaveThroughThem) {
                 if (along[side] > 0 && -at[side] / along[side] < reach) reach = -at[side] / along[side], exit = side;
             const MapView& view = fitted.views[exit];
             if (view.width == 0) continue;  // no shading point needs that side
-            const Double3 left_at = sum(p, gnomon::scaled(away, reach));
+            const Double3 left_at = p + away * reach;
             const Double3 c = post_perspective(scene, left_at, n, f);
             if (std::max(std::fabs(c[0]), std::fabs(c[1])) > 1.0005) continue;
             const SceneBox found = place(view, p);
@@ -433,7 +431,7 @@ TEST(Projection, FrustumSidesHoldTheRaysThatLeaveThroughThem) {
             if (exit < 4) {
                 EXPECT_NEAR(found.u, (c[1 - exit / 2] + 1) / 2, 2e-3);
                 const double v = std::log1p(view.log_strength * found.v) / std::log1p(view.log_strength);
-                const double depth = gnomon::dot(scene.camera.forward, sum(from_eye, gnomon::scaled(away, reach)));
+                const double depth = dot(loaded(scene.camera.forward), from_eye + away * reach);
                 EXPECT_NEAR(v, std::log(f / depth) / std::log(f / n), 2e-3);
             }
             for (int side = 0; side < 6; ++side) {

@@ -173,7 +173,7 @@ double nearest_at(const Floats& vertices, const MapView& view, double u, double 
             depth[k] = at.depth;
         }
         const Double3 ray{u, v, 1};
-        for (int k = 0; k < 3; ++k) weight[k] = gnomon::dot(ray, gnomon::cross(h[(k + 1) % 3], h[(k + 2) % 3]));
+        for (int k = 0; k < 3; ++k) weight[k] = dot(ray, cross(h[(k + 1) % 3], h[(k + 2) % 3]));
         const bool all = weight[0] >= 0 && weight[1] >= 0 && weight[2] >= 0;
         const bool none = weight[0] <= 0 && weight[1] <= 0 && weight[2] <= 0;
         const double total = weight[0] + weight[1] + weight[2];
