@@ -40,31 +40,42 @@ macro(gnomon_wing wing)
 endmacro()
 
 # The ground: OpenCL, and what implements gnomon.hpp.
-gnomon_wing(cl description opencl program session)
+gnomon_wing(cl description embedded_files opencl program session)
 gnomon_wing(simd frame_counters lanes points point_blocks projection triangle_blocks)
 gnomon_wing(exact wide soft_double accumulator det3 det3_lanes blocks cut_outs cut_outs_exact decide_pair normal_side predicates self_check)
 gnomon_wing(lists append fill group_scan scan sort morton whole_to_float)
-gnomon_wing(api errors inputs light_and_camera parts settings_table statistics variants
-            world_lattice world_lattice_mesh c_interface c_interface_lattice c_interface_lights c_interface_results c_interface_runs
+gnomon_wing(query device errors inputs light_and_camera parts settings_table statistics variants
             library faults regressions leaves waits)
+gnomon_wing(lattice world_lattice world_lattice_mesh)
 
+# Lists: one light at a time, by rasterizing.
 gnomon_wing(receivers frame_grid light_frame footprint block_bounds facing facing_cache facing_bounds facing_blocks
-            facing_cpu facing_gpu given_sides vertex_fans
+            facing_cpu facing_gpu backfacing vertex_fans
             receiver_depth_pyramid light_frames)
-gnomon_wing(occluders bin_lists bin_test hull_bounds clusters cluster_boxes conservative_map triangle_setup
+gnomon_wing(occluders bin_lists bin_overlap hull_bounds clusters cluster_boxes conservative_map triangle_setup
             triangle_bounds triangle_records eye_records tile_bins triangle_tiles bins occluder_lists)
-gnomon_wing(camera camera camera_rays pixel_rays nearest nearest_gpu camera_filter long_lists shading_point shading_lanes texture surface shade)
-gnomon_wing(trace light_order trace coarse_test filter trace_points walk_cpu walk_gpu trace_kernel exact_trace provenance
+gnomon_wing(camera camera camera_rays pixel_rays nearest nearest_gpu camera_filter long_lists shading_point shading_lanes)
+gnomon_wing(trace light_order trace map_query filter trace_points walk_cpu walk_gpu trace_kernel exact_trace provenance
             map_choice frustum_tracer explain)
 gnomon_wing(prepared prepared_light unshadowed_triangles prepared_facing prepared_trace prepared_runs)
 gnomon_wing(samples samples fragments pixel_masks_gpu samples_masks_gpu open_samples samples_filter footprints coverage_masks sample_points find_receivers_gpu clearance classify_footprints)
+
+# The BVH: tables of many lights.
 gnomon_wing(lights lights light_bundle light_bundles position_bundles light_sides light_sums point_order many_lights
             lights_method)
 gnomon_wing(horizons height_field strip_triangle strip_walk horizons)
-gnomon_wing(shafts binary_tree shaft shaft_lanes shaft_sides point_light_planes shaft_test shaft_tree light_masks
-            shaft_walk shaft_trace point_shaft point_shaft_trace parallel_packets converging_packets ray_packets method_costs
-            light_tables)
-gnomon_wing(techniques framed_technique conservative_map_alone shadow_volumes sub_pixel_shadow_map izb frustum_traced)
-gnomon_wing(techniques/shadow_map map_view map_projection homography partition texel_footprint
+gnomon_wing(bvh binary_tree wide_bvh)
+gnomon_wing(beams beam beam_lanes beam_sides point_light_planes beam_intersect beam_walk point_beam)
+gnomon_wing(packets parallel_packets converging_packets ray_packets)
+gnomon_wing(light_tables light_masks beam_trace point_beam_trace method_costs light_tables)
+
+# The technique that chooses between both, by its name and through the C interface.
+gnomon_wing(technique technique frustum_traced)
+gnomon_wing(c c_interface c_interface_lattice c_interface_lights c_interface_results c_interface_runs)
+
+# Libraries of their own (host/CMakeLists.txt), which the core does not know.
+gnomon_wing(shading texture surface shade c_interface_shading)
+gnomon_wing(rivals rivals framed_technique conservative_map_alone shadow_volumes sub_pixel_shadow_map izb)
+gnomon_wing(rivals/shadow_map map_view map_projection homography partition texel_footprint
             depth_pass caster lookup depth_lookup moments mip_chain moment_lookup visibility_bounds prefilter
             point_light_perspective rectilinear_warp virtual_map shadow_map soft_shadow diagnostic)

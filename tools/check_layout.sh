@@ -60,7 +60,7 @@ lines_matching "$source" '^\s*#\s*include\s*[<"]CL/' |
     { grep -vE '^(host/(cl/|include/gnomon(\.h|/device\.hpp):)|tests/drivers/)' || true; } |
     complain 'only host/cl, host/include/gnomon/device.hpp, gnomon.h and tests/drivers include OpenCL headers'
 
-# One place that waits for the device: GNOMON_TRACE marks its calls, and tests/api/waits_test.cpp counts them. (The
+# One place that waits for the device: GNOMON_TRACE marks its calls, and tests/query/waits_test.cpp counts them. (The
 # other file tries once whether a driver keeps its binaries.)
 lines_matching "^host/.*$source" '\bclFinish\s*\(|\bclWaitForEvents\s*\(|clEnqueue\w+\([^;]*CL_TRUE' |
     { grep -vE '^host/cl/(session|program|opencl)\.[ch]pp:' || true; } |
@@ -128,7 +128,8 @@ budgets=tools/check_layout/budgets.txt
 [ -f "$budgets" ] || budgets=/dev/null
 lines_of "$kernel_or_host.*$source" | awk -v table="$budgets" '
     function wing_of(path, parts, n) { n = split(path, parts, "/"); return n > 2 ? parts[2] : "root" }
-    { lines[wing_of($2)] += $1 }
+    function is_core(wing) { return wing !~ /^(app|measure|python|rivals|scene|shading)$/ }
+    { wing = wing_of($2); lines[wing] += $1; if (is_core(wing)) lines["core"] += $1 }
     END {
         while ((getline line < table) > 0)
             if (line !~ /^#/) { split(line, words, " "); budget[words[1]] = words[2] }
@@ -138,9 +139,9 @@ lines_of "$kernel_or_host.*$source" | awk -v table="$budgets" '
 
 files_matching '^kernels/.*/' | tr '\0' '\n' | awk '
     { sub(/\/[^\/]*$/, ""); ++count[$0] }
-    function most(folder) { return folder == "kernels/techniques/shadow_map" ? 25 : 15 }
+    function most(folder) { return folder == "kernels/rivals/shadow_map" ? 25 : 15 }
     END { for (f in count) if (count[f] > most(f)) print f ": " count[f] " files" }' |
-    sort | complain 'a folder of kernels/ has at most 15 files, kernels/techniques/shadow_map 25'
+    sort | complain 'a folder of kernels/ has at most 15 files, kernels/rivals/shadow_map 25'
 files_matching "$kernel_or_host.*$source" | xargs -0 -r awk -v most=60 -f "$programs/functions.awk" |
     complain 'a function of the product has at most 60 lines'
 arguments=$(files_matching '^kernels/' | xargs -0 -r awk -f "$programs/arguments.awk")

@@ -1,11 +1,15 @@
 # SPDX-License-Identifier: MIT
 # Install and export rules: afterwards find_package(gnomon) gives gnomon::gnomon, static or shared as it was built.
-# The core library alone is exported; host/app installs the command beside it.
+# The libraries alone are exported; host/app installs the command beside them.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
 set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/gnomon")
-install(TARGETS gnomon EXPORT gnomonTargets
+set(libraries gnomon gnomon_full)
+if(NOT BUILD_SHARED_LIBS)
+  list(APPEND libraries gnomon_shading gnomon_rivals)
+endif()
+install(TARGETS ${libraries} EXPORT gnomonTargets
         ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}"
         LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}"
         RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}"
@@ -29,5 +33,11 @@ list(FILTER cxx_libraries INCLUDE REGEX "^(stdc\\+\\+|c\\+\\+|m)$")
 list(REMOVE_DUPLICATES cxx_libraries)
 list(TRANSFORM cxx_libraries PREPEND "-l")
 list(JOIN cxx_libraries " " cxx_libraries)
-configure_file("${CMAKE_CURRENT_LIST_DIR}/gnomon.pc.in" "${PROJECT_BINARY_DIR}/gnomon.pc" @ONLY)
-install(FILES "${PROJECT_BINARY_DIR}/gnomon.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig")
+foreach(name IN ITEMS gnomon gnomon_full)
+  set(pc_libraries "-l${name}")
+  if(name STREQUAL "gnomon_full" AND NOT BUILD_SHARED_LIBS)
+    set(pc_libraries "-lgnomon_shading -lgnomon_rivals -lgnomon")
+  endif()
+  configure_file("${CMAKE_CURRENT_LIST_DIR}/gnomon.pc.in" "${PROJECT_BINARY_DIR}/${name}.pc" @ONLY)
+endforeach()
+install(FILES "${PROJECT_BINARY_DIR}/gnomon.pc" "${PROJECT_BINARY_DIR}/gnomon_full.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig")

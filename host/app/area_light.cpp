@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "api/vectors.hpp"
+#include "query/vectors.hpp"
 
 namespace gnomon::app {
 namespace {

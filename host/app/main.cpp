@@ -38,6 +38,7 @@ int run(const std::vector<std::string>& arguments) {
 }  // namespace gnomon::app
 
 int main(int argc, char** argv) {
+    gnomon::add_rivals();
     // A program can be started without even its own name.
     std::vector<std::string> arguments(argv, argv + argc);
     if (arguments.empty()) arguments.emplace_back("gnomon");

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "api/statistics.hpp"
-#include "api/vectors.hpp"
+#include "query/statistics.hpp"
+#include "query/vectors.hpp"
 
 namespace gnomon {
 namespace {

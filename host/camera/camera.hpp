@@ -3,10 +3,10 @@
 // gives it the functions look(), read() and lift(); samples.cpp runs it for many samples per pixel.
 #pragma once
 
-#include "api/inputs.hpp"
 #include "kernels/camera/camera.h"
 #include "kernels/simd/projection.h"
 #include "occluders/occluder_lists.hpp"
+#include "query/inputs.hpp"
 
 namespace gnomon {
 
@@ -41,7 +41,7 @@ public:
     const cl::Buffer& projection() const { return projection_; }
     const PictureRays& picture() const { return samples_.picture; }
     const TriangleSetup& setup() const { return lists_.setup(); }
-    /// Of the frame whose lists fit_lists() made.
+    /// The counts of the frame whose lists fit_lists() made.
     const cl::Buffer& counters() const { return counters_; }
     const Bins& bins() const { return lists_.bins(); }
     std::uint32_t tiles_x() const { return (width_ + (1u << CAMERA_TILE_LOG2) - 1) >> CAMERA_TILE_LOG2; }

@@ -33,8 +33,8 @@ constexpr std::array picture_files = {"occluders/triangle_bounds.cl",
                                       "receivers/receiver_depth_pyramid.cl",
                                       "trace/trace.cl",
                                       "trace/exact_trace.cl",
-                                      "camera/surface.cl",
-                                      "camera/shade.cl",
+                                      "shading/surface.cl",
+                                      "shading/shade.cl",
                                       "occluders/conservative_map.cl",
                                       "occluders/clusters.cl"};
 
@@ -56,8 +56,7 @@ std::string text_of(const std::string& file) {
         if (const auto text = content_of(std::filesystem::path(directory) / file)) return *text;
         throw Error("cannot read " + file + " in GNOMON_KERNELS_DIR (" + directory + ")");
     }
-    for (const EmbeddedFile& kernel : embedded_kernels())
-        if (kernel.path == path) return std::string(kernel.text);
+    if (const EmbeddedFile* kernel = embedded_kernel(path)) return std::string(kernel->text);
     throw Error("no kernel file named " + path + " was built in");
 }
 
@@ -208,7 +207,8 @@ std::string Session::source_of(const std::string& program, const ProgramFlags& f
     std::istringstream macros(macros_of(flags));
     for (std::string macro; macros >> macro;) source += "#define " + macro + '\n';
     if (program == picture_program) {
-        for (const char* file : picture_files) paste(file, text_of(file), pasted, source);
+        for (const std::string file : picture_files)  // a program that draws no pictures has no shading
+            if (embedded_kernel("kernels/" + file) != nullptr) paste(file, text_of(file), pasted, source);
         return source;
     }
     const auto added = added_sources_.find(program);

@@ -266,10 +266,11 @@ void Session::fill_all(std::span<const Fill> fills) {
     }
     std::size_t most = 0;
     for (const Fill& f : fills) most = std::max(most, f.bytes / sizeof(cl_uint));
-    const auto of = [&](std::size_t i) { return i < fills.size() ? fills[i] : Fill{fills[0].buffer, 0, 0}; };
-    const auto words = [&](std::size_t i) { return cl_ulong(of(i).bytes / sizeof(cl_uint)); };
-    launch("lists/fill.cl", "fill_buffers", Range::items(most), words(0), of(0).word, of(0).buffer, words(1),
-           of(1).word, of(1).buffer, words(2), of(2).word, of(2).buffer, words(3), of(3).word, of(3).buffer);
+    const auto fill_at = [&](std::size_t i) { return i < fills.size() ? fills[i] : Fill{fills[0].buffer, 0, 0}; };
+    const auto words = [&](std::size_t i) { return cl_ulong(fill_at(i).bytes / sizeof(cl_uint)); };
+    launch("lists/fill.cl", "fill_buffers", Range::items(most), words(0), fill_at(0).word, fill_at(0).buffer, words(1),
+           fill_at(1).word, fill_at(1).buffer, words(2), fill_at(2).word, fill_at(2).buffer, words(3), fill_at(3).word,
+           fill_at(3).buffer);
 }
 
 void Session::copy(const Buffer& from, std::size_t from_first, const Buffer& to, std::size_t to_first,

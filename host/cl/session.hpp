@@ -36,7 +36,7 @@ std::string with_source_locations(const std::string& log, const std::string& sou
 
 class Session;
 
-/// Device memory of gnomon's own. A buffer that grows is made anew: contents are not kept.
+/// Device memory of gnomon's own. A buffer that grows loses its contents.
 class Buffer {
 public:
     Buffer() = default;
@@ -101,7 +101,7 @@ struct Kernel {
 };
 
 /// The number of work-items: over `items` of GN_FOR_EACH, or exactly `groups` work-groups (of at most `local` items if
-/// not 0; of exactly so many where `is_exact`).
+/// not 0; exactly this size where `is_exact`).
 struct Range {
     enum class Kind { items, groups } kind;
     std::size_t count;
@@ -173,7 +173,7 @@ public:
         static_assert(count <= 4, "kernels/lists/fill.cl fills four buffers at most");
         fill_all(fills);
     }
-    /// Makes room for so many bytes, and fills them.
+    /// Makes room for `bytes` bytes, and fills them.
     void reserve_filled(Buffer& buffer, std::uint32_t word, std::size_t bytes) {
         buffer.reserve(*this, bytes);
         fill(buffer, word, bytes);

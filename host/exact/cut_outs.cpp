@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::uint32_t most_threshold = 255u << 16;
 
-/// Of a material: what its triangles are if that does not depend on the texture, and the threshold.
+/// The class of a material's triangles if it does not depend on the texture, and the threshold.
 struct Threshold {
     std::uint32_t of_all;  ///< a class; CUT_OUT_MASKED: the texture decides
     std::uint32_t value;   ///< in units of 2^-16 / 255
@@ -61,7 +61,7 @@ public:
         }
     }
 
-    /// Of texels of the texture.
+    /// The range of the texture's texels.
     AlphaRange range(const TexelInterval& x, const TexelInterval& y) const {
         constexpr std::int64_t most_squares = 8;  // per side
         std::size_t level = 0;

@@ -15,15 +15,15 @@ constexpr std::uint32_t most_borders = 1u << 18;
 
 using Place = std::array<double, 2>;
 
-// The sign of the area of a triangle over the ground; 0 where that is not certain. Products of differences of floats
-// round three times in doubles.
+// The sign of the area of a triangle over the ground; 0 if the sign is not certain. The double-precision value of
+// products of differences of floats has three roundings.
 int winding_of(const Place& a, const Place& b, const Place& c) {
     const double left = (b[0] - a[0]) * (c[1] - a[1]), right = (b[1] - a[1]) * (c[0] - a[0]);
     const double area = left - right, bound = 0x1p-48 * (std::abs(left) + std::abs(right));
     return int(area > bound) - int(area < -bound);
 }
 
-// Takes from the rectangle (low x, low y, high x, high y), at one of its sides, what an edge reaches into.
+// Shrinks the rectangle (low x, low y, high x, high y) at one of its sides, so that an edge does not reach into it.
 void cut_off(std::array<float, 4>& inside, const float4& edge) {
     const float low[2] = {std::min(edge.values[0], edge.values[2]), std::min(edge.values[1], edge.values[3])};
     const float high[2] = {std::max(edge.values[0], edge.values[2]), std::max(edge.values[1], edge.values[3])};
@@ -57,7 +57,7 @@ BuiltHeightField::BuiltHeightField(const Device& device, const Triangles& triang
         starts_ = {}, list_ = {};
 }
 
-// Of the axes along which all triangles are seen from one side, the one along which the box is flattest.
+// The axis along which the box is flattest, among those along which all triangles are seen from one side.
 bool BuiltHeightField::find_axis(const CoordinateBounds& box) {
     cl::Session& session = session_of(device_);
     const cl::Buffer found(session, sizeof(cl_uint));
@@ -77,7 +77,7 @@ bool BuiltHeightField::find_axis(const CoordinateBounds& box) {
     return flattest < HUGE_VAL;
 }
 
-// As many cells as pairs of triangles.
+// The grid has one cell for each pair of triangles.
 bool BuiltHeightField::set_grid(const CoordinateBounds& box) {
     const std::uint32_t x = (field_.axis + 1) % 3, y = (field_.axis + 2) % 3, z = field_.axis;
     const double width = box.high[x] - box.low[x], depth = box.high[y] - box.low[y];
@@ -119,7 +119,7 @@ bool BuiltHeightField::make_lists() {
     return true;
 }
 
-// The rectangle is what no edge without a neighbour reaches into; it must be a large part of the grid.
+// No edge without a neighbour reaches into the rectangle, which must be a large part of the grid.
 bool BuiltHeightField::find_inside() {
     cl::Session& session = session_of(device_);
     const cl::Buffer counters(session, sizeof(FieldCounters)), borders(session, most_borders * sizeof(float4));
@@ -138,8 +138,8 @@ bool BuiltHeightField::find_inside() {
     return is_covered_once();
 }
 
-// Whether some place in the rectangle is under one triangle: the middle of a cell, or, where that lies too near to an
-// edge to tell, one beside it.
+// True if a position in the rectangle is under one triangle: the middle of a cell, or a position beside it if the
+// middle lies too near to an edge to tell.
 bool BuiltHeightField::is_covered_once() const {
     cl::Session& session = session_of(device_);
     const TriangleInputs triangles = triangle_inputs(triangles_);

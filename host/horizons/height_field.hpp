@@ -5,9 +5,9 @@
 
 #include <vector>
 
-#include "api/inputs.hpp"
 #include "kernels/horizons/height_field.h"
 #include "lists/morton.hpp"
+#include "query/inputs.hpp"
 
 namespace gnomon {
 
@@ -15,7 +15,7 @@ class BuiltHeightField {
 public:
     BuiltHeightField(const Device& device, const Triangles& triangles);
 
-    /// Whether the triangles are a height field and none of them is masked. Else the rest is empty.
+    /// True if the triangles are a height field and none of them is masked. If false, the other members are empty.
     bool is_field() const { return !levels_.empty(); }
     const Triangles& triangles() const { return triangles_; }
     const HeightField& field() const { return field_; }

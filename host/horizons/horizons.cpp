@@ -7,11 +7,12 @@
 namespace gnomon {
 namespace {
 
-// A step's length beside the width of the strip, and at least, in half cells. Shorter ones leave fewer lights open.
+// The length of a step as a multiple of the strip's width, and its least length in half cells. Shorter steps leave
+// fewer lights open.
 constexpr double step_length = 0.5;
-// Stretches nearer than this, in half cells, may be met triangle by triangle.
+// A ray nearer to its point than this, in half cells, may be tested against single triangles.
 constexpr double near_distance = 32;
-// By how much more regions are taken, in half cells, than a strip is wide: what coordinates round, and FIELD_SNAP.
+// The half cells by which a region is wider than its strip: the rounding of coordinates, and FIELD_SNAP.
 constexpr double region_slack = 0.03;
 
 using Place = std::array<double, 2>;
@@ -37,7 +38,7 @@ struct Range {
     }
 };
 
-// No value where the bundle is no sector.
+// Returns no value if the bundle is no sector.
 std::optional<Strip> strip_of(const LightBundle& bundle, std::uint32_t axis, double slope_scale,
                               HorizonSector& sector) {
     const double x = bundle.ground[(axis + 1) % 3], y = bundle.ground[(axis + 2) % 3], length = std::hypot(x, y);

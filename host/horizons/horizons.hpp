@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Stage horizons: lights of sectors decided by the horizon of a height field (kernels/horizons/horizons.h), before
-// shafts decide what stays open.
+// Stage horizons: decides the lights of sectors by the horizon of a height field (kernels/horizons/horizons.h). Beams
+// decide the lights that stay open.
 #pragma once
 
 #include "horizons/height_field.hpp"
@@ -9,9 +9,9 @@
 
 namespace gnomon {
 
-/// Masks of some points, row by row for each bundle. All three buffers have a word for each mask.
+/// The masks of a part's points: a row for each bundle. All three buffers have a word for each mask.
 struct HorizonMasks {
-    const cl::Buffer& masks;   ///< the lights that a point faces; then those that are open
+    const cl::Buffer& masks;   ///< the lights that a point faces; after decide() the open ones
     const cl::Buffer& lit;     ///< the lights that reach the point for certain
     const cl::Buffer& begins;  ///< float32: how far along the ground the open lights' rays meet nothing
     cl_uint bundle_count;
@@ -24,7 +24,7 @@ public:
     Horizons(const LightsRun& run, const SortedPoints& sorted, const BuiltHeightField& field,
              const LightBundles& bundles, Statistics& statistics);
 
-    /// `points`: a part of the sorted points. Of the lights in the masks leaves those that it cannot decide.
+    /// `points`: a part of the sorted points. Removes the lights that it decides from the masks.
     void decide(const PointsLayout& points, const HorizonMasks& masks);
     /// Adds to the masks the lights that decide() found to reach the points.
     void join(const PointsLayout& points, const HorizonMasks& masks);

@@ -619,7 +619,11 @@ typedef struct gnomon_technique_list {
     size_t count;
 } gnomon_technique_list;
 
-/// Every technique of this build; the first is the default, "frustum-traced".
+/// Adds the classic techniques, which are to be measured beside the exact one, to those that gnomon_techniques_list()
+/// lists and gnomon_technique_create() makes. In the library gnomon_full, not in gnomon. Any thread may call it, and
+/// more than once.
+gnomon_status gnomon_rivals_add(void);
+/// Every technique that was added; the first is the default, "frustum-traced".
 gnomon_status gnomon_techniques_list(const gnomon_technique_list** list_out);
 void gnomon_technique_list_destroy(const gnomon_technique_list* list);
 
@@ -773,6 +777,7 @@ typedef struct gnomon_materials {
 /// No materials.
 #define GNOMON_MATERIALS_INIT \
     { sizeof(gnomon_materials), NULL, 0, NULL, 0 }
+/// In the library gnomon_full, not in gnomon.
 /// Shades the view: the sum of the lights' Lambert terms with visibility, plus ambient, as 4 bytes (8-bit sRGB and
 /// alpha) per pixel on the host.
 gnomon_status gnomon_view_shade(const gnomon_view* view, const gnomon_triangles* triangles,

@@ -23,7 +23,7 @@
 // has loaded (and gnomon.h's error texts, one per thread).
 //
 // Waits. All work is enqueued on the device's in-order queue. Which functions then wait for the queue, and so for all
-// that was enqueued before (tests/api/waits_test.cpp counts the blocking calls and compares them with this table):
+// that was enqueued before (tests/query/waits_test.cpp counts the blocking calls and compares them with this table):
 //   always   each call waits
 //   large    a call waits only where it makes a buffer of 4 MiB or more for a CPU, which is then mapped once
 //   never    no call waits
@@ -77,6 +77,7 @@
 #include <gnomon/inputs.hpp>
 #include <gnomon/lattice.hpp>
 #include <gnomon/lights.hpp>
+#include <gnomon/rivals.hpp>
 #include <gnomon/shading.hpp>
 #include <gnomon/trace.hpp>
 #include <gnomon/view.hpp>

@@ -7,8 +7,8 @@
 #include <iterator>
 #include <numeric>
 
-#include "api/vectors.hpp"
 #include "kernels/lists/morton.h"
+#include "query/vectors.hpp"
 
 namespace gnomon {
 namespace {
@@ -19,7 +19,7 @@ struct Direction {
     Double3 unit;
 };
 
-// No value if a coordinate would lose bits.
+// Returns no value if a coordinate would lose bits.
 std::optional<Direction> direction_of(const Light& light) {
     const float* d = light.xyzw.data();
     int exponent = 0;
@@ -37,8 +37,8 @@ std::optional<Direction> direction_of(const Light& light) {
 // ---- Order ----------------------------------------------------------------------------------------------------------
 
 // Directions of one hour on many days lie along thin curves, and bundles along a curve have thin cones. A chain that
-// goes on to the nearest light left finds such curves in any table. Each step searches all lights that are left, so a
-// large table is first cut into parts along a coarse curve.
+// always continues at the nearest remaining light finds such curves in any table. Each step searches all remaining
+// lights, so a large table is first cut into parts along a coarse curve.
 constexpr std::size_t most_in_chain = 4096;
 
 void sort_coarsely(std::vector<std::uint32_t>& order, const std::vector<Direction>& directions) {
@@ -70,8 +70,8 @@ double chord(const Direction& a, const Direction& b) {
     return std::sqrt(dot(d, d));
 }
 
-// The chord that a bundle's chain may have: a year's suns of one hour move up to .007 a day. A sky of patches, .2
-// apart, in wide bundles took 10 to 40 times as long (Sponza, lost_empire, 145 patches).
+// The longest chord of a bundle's chain. The suns of one hour move up to .007 a day in a year. With wide bundles, a sky
+// of patches that lie .2 apart took 10 to 40 times as long (Sponza, lost_empire, 145 patches).
 constexpr double most_chain = 0.25;
 
 // The first light of each bundle: where a bundle is full, its chain too long, or a step far longer than most.
@@ -136,7 +136,7 @@ void store_planes(LightCone& cone) {
     }
 }
 
-// No cone of less than some 80 degrees holds them: false.
+// Returns false if no cone of less than about 80 degrees contains the directions.
 bool fit_cone(LightCone& cone, std::span<const std::uint32_t> part, const std::vector<Direction>& directions) {
     const Axes axes = axes_of(part, directions);
     double low[2] = {1e9, 1e9}, high[2] = {-1e9, -1e9};
@@ -199,7 +199,7 @@ void add_bundle(LightBundles& made, std::span<const std::uint32_t> part, const s
     add_lights(made, bundle, part, directions);
 }
 
-// Bundles of these lights along chains.
+// Makes bundles of these lights along chains.
 void add_chained(LightBundles& made, std::vector<std::uint32_t> order, const std::vector<Direction>& directions,
                  std::uint32_t most) {
     if (order.empty()) return;

@@ -21,7 +21,7 @@ struct LightBundles {
     std::size_t light_count() const;
 };
 
-/// Whether lights are all directional, with directions that can be scaled exactly, or all point lights.
+/// True if all lights are directional, with directions that can be scaled exactly, or all are point lights.
 bool can_be_bundled(std::span<const Light> lights);
 
 /// Divides lights into bundles of at most `most` lights. No value unless they can be bundled.
@@ -30,19 +30,19 @@ std::optional<LightBundles> make_light_bundles(std::span<const Light> lights, st
 /// The same, of point lights alone.
 LightBundles make_position_bundles(std::span<const Light> lights, std::uint32_t most);
 
-/// The same as make_light_bundles(), of directional lights of nearly one azimuth around an axis, the lowest first: as
-/// many as a sector has (kernels/horizons/horizons.h). Lights near the axis, or behind the plane at right angles to it,
-/// follow in bundles of their own.
+/// As make_light_bundles(), but each bundle is a sector (kernels/horizons/horizons.h): directional lights of nearly one
+/// azimuth around an axis, the lowest first. Lights near the axis, or below the plane perpendicular to it, follow in
+/// bundles of their own.
 std::optional<LightBundles> make_sector_bundles(std::span<const Light> lights, std::uint32_t most, std::uint32_t axis);
 
-/// For packets: the same directional lights in the same order, in full bundles without cones. Of point lights: the same
-/// bundles.
+/// The bundles of packets. Directional lights: the same lights in the same order, in full bundles without cones. Point
+/// lights: the same bundles.
 LightBundles make_plain_bundles(const LightBundles& coned);
 
 /// The tables of bundles of lights that can be bundled, each made when it is first read.
 class BundleTables {
 public:
-    /// The lights must live as long as the tables. `most`: of a bundle.
+    /// The lights must live as long as the tables. `most`: the largest number of lights in a bundle.
     BundleTables(std::span<const Light> lights, std::uint32_t most) : lights_(lights), most_(most) {}
 
     const LightBundles& coned() {
@@ -51,7 +51,7 @@ public:
     const LightBundles& plain() {
         return made(plain_, [&] { return make_plain_bundles(coned()); });
     }
-    /// Always around the same axis.
+    /// Every call must name the same axis.
     const LightBundles& sectors(std::uint32_t axis) {
         return made(sectors_, [&] { return *make_sector_bundles(lights_, most_, axis); });
     }
@@ -68,7 +68,8 @@ private:
     std::optional<LightBundles> coned_, plain_, sectors_;
 };
 
-/// Of a bundle's lights, those of this cone: the first has all of them, cone k one half of those of cone (k - 1) / 2.
+/// The lights of a bundle that cone `k` of its cone tree contains. Cone 0 contains all; cone k contains one half of the
+/// lights of cone (k - 1) / 2.
 std::span<const std::uint32_t> lights_of_cone(std::span<const std::uint32_t> bundle, std::size_t cone);
 
 /// The largest magnitude of a point light's coordinate; 0 if there is none.

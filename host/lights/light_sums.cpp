@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "api/vectors.hpp"
 #include "lights/many_lights.hpp"
+#include "query/vectors.hpp"
 
 namespace gnomon {
 namespace {
@@ -63,10 +63,10 @@ LightSums::LightSums(const LightsRun& run, std::span<const std::uint32_t> slots,
     params_.words = static_cast<cl_uint>((run.lights.count() + 31) / 32);
     params_.exponent = run.lights.exponent();
     params_.is_sorted = sorted != nullptr;
-    const PointLayout at = sorted != nullptr ? PointLayout{} : run.options.normals_layout;
-    params_.normals.first = static_cast<cl_uint>(at.first);
-    params_.normals.point_stride = static_cast<cl_uint>(at.point_stride);
-    params_.normals.coordinate_stride = static_cast<cl_uint>(at.coordinate_stride);
+    const PointLayout layout = sorted != nullptr ? PointLayout{} : run.options.normals_layout;
+    params_.normals.first = static_cast<cl_uint>(layout.first);
+    params_.normals.point_stride = static_cast<cl_uint>(layout.point_stride);
+    params_.normals.coordinate_stride = static_cast<cl_uint>(layout.coordinate_stride);
     want(outputs_.bits, WANTS_BITS, 0, point_count_ * params_.words);
     want(outputs_.counts, WANTS_COUNTS, 0, point_count_);
     want(outputs_.sums, WANTS_SUMS, 0, 2 * point_count_);

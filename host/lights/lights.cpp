@@ -5,8 +5,8 @@
 #include <numbers>
 
 #include <gnomon.hpp>
-#include "api/inputs.hpp"
-#include "api/vectors.hpp"
+#include "query/inputs.hpp"
+#include "query/vectors.hpp"
 
 namespace gnomon {
 namespace {
@@ -32,7 +32,7 @@ void require_samples(std::uint32_t samples) {
     if (samples == 0) throw InvalidArgument("an extended light takes at least 1 sample");
 }
 
-// The bits of i behind the binary point, in reverse.
+// The radical inverse of i in base 2: its bits in reverse order behind the binary point (van der Corput).
 double van_der_corput(std::uint32_t i) {
     double value = 0, bit = 0.5;
     for (; i != 0; i >>= 1, bit /= 2) value += (i & 1u) * bit;

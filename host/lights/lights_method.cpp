@@ -11,7 +11,7 @@ constexpr const LightsTuning& tuning = lights_tuning;
 
 std::size_t pairs_of(const LightsTraits& traits) { return traits.points * traits.lights; }
 
-// Methods that share shadow rays take over where lights can be bundled and there are some.
+// True if the methods that share shadow rays may decide the table.
 bool are_shared(const LightsTraits& traits) {
     return traits.can_be_bundled && traits.lights >= tuning.min_shared_lights;
 }
@@ -24,24 +24,24 @@ bool are_thin(const LightsTraits& traits) {
     return traits.widest_bundle < (traits.are_point_lights ? tuning.thin_box : tuning.thin_cone);
 }
 
-// One light at a time was faster for the points of some pictures, seldom for others, which a GPU measures where the
-// next runs can use the choice.
+// On a GPU one light at a time was the fastest for the points of some pictures, seldom for other points. Other points
+// are measured only where the next runs can use the choice.
 bool may_take_single_lights(const LightsTraits& traits) {
     return pairs_of(traits) >= tuning.min_single_light_pairs &&
            traits.lights < (traits.is_cpu ? tuning.cpu_many_lights : tuning.gpu_many_lights) &&
            (traits.is_picture || (!traits.is_cpu && traits.keeps_clusters));
 }
 
-// The method by rule, or no value where costs decide.
+// The method that a rule chooses, or no value where measured costs decide.
 std::optional<LightsMethod> method_by_rule(const LightsTraits& traits) {
     if (!are_shared(traits)) return LightsMethod::one_by_one;
-    if (!are_worth_measuring(traits)) return LightsMethod::shafts;
+    if (!are_worth_measuring(traits)) return LightsMethod::beams;
     if (traits.is_cpu) return {};
     if (traits.is_height_field) return LightsMethod::horizons;
-    if (are_thin(traits)) return LightsMethod::shafts;
+    if (are_thin(traits)) return LightsMethod::beams;
     if (traits.are_point_lights)
-        return traits.points < tuning.gpu_points_of_single_lights ? LightsMethod::shafts : LightsMethod::one_by_one;
-    if (!may_take_single_lights(traits)) return LightsMethod::shafts;
+        return traits.points < tuning.gpu_points_of_single_lights ? LightsMethod::beams : LightsMethod::one_by_one;
+    if (!may_take_single_lights(traits)) return LightsMethod::beams;
     return {};
 }
 
@@ -59,7 +59,7 @@ bool wants_widest_bundle(const LightsTraits& traits) {
 
 std::vector<LightsMethod> methods_to_measure(const LightsTraits& traits) {
     if (method_by_rule(traits)) return {};
-    std::vector<LightsMethod> methods{LightsMethod::shafts};
+    std::vector<LightsMethod> methods{LightsMethod::beams};
     if (traits.is_cpu) methods.push_back(LightsMethod::rays);
     if (traits.is_cpu && traits.is_height_field) methods.push_back(LightsMethod::horizons);
     if (may_take_single_lights(traits)) methods.push_back(LightsMethod::one_by_one);
@@ -69,9 +69,9 @@ std::vector<LightsMethod> methods_to_measure(const LightsTraits& traits) {
 LightsMethod choose_method(const LightsTraits& traits, const LightsCosts& costs) {
     if (const auto method = method_by_rule(traits)) return *method;
     LightsCosts expected = costs;
-    if (!traits.is_cpu) expected[LightsMethod::shafts] *= tuning.gpu_shafts_over_estimate;
-    // Of equal ones the first: shafts take the least memory.
-    constexpr LightsMethod methods[] = {LightsMethod::shafts, LightsMethod::rays, LightsMethod::horizons,
+    if (!traits.is_cpu) expected[LightsMethod::beams] *= tuning.gpu_beams_over_estimate;
+    // Among equal costs the first method wins: beams take the least memory.
+    constexpr LightsMethod methods[] = {LightsMethod::beams, LightsMethod::rays, LightsMethod::horizons,
                                         LightsMethod::one_by_one};
     return *std::ranges::min_element(methods, {}, [&](LightsMethod method) { return expected[method]; });
 }

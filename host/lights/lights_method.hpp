@@ -14,9 +14,9 @@
 namespace gnomon {
 
 /// The methods that decide a table of lights, as the setting many-lights names them. `automatic`: the fastest of them.
-enum class LightsMethod { automatic, one_by_one, shafts, point_shafts, rays, horizons };
-inline constexpr std::string_view lights_method_names[] = {"auto",         "one-by-one", "shafts",
-                                                           "point-shafts", "rays",       "horizons"};
+enum class LightsMethod { automatic, one_by_one, beams, point_beams, rays, horizons };
+inline constexpr std::string_view lights_method_names[] = {"auto",        "one-by-one", "beams",
+                                                           "point-beams", "rays",       "horizons"};
 
 /// The constants by which `automatic` measures and chooses, with the machine and the commit that they were measured by.
 /// docs/many_lights.md has what each method takes. "Two cores" are those of an EPYC.
@@ -24,7 +24,7 @@ struct LightsTuning {
     // ---- Rules
     /// Fewer lights are decided one by one (two cores, dba3afc).
     std::size_t min_shared_lights = 4;
-    /// Fewer pairs take some milliseconds by shafts, and a sample of them as long (two cores, dba3afc).
+    /// Fewer pairs take some milliseconds by beams, and a sample of them as long (two cores, dba3afc).
     std::size_t min_measured_pairs = std::size_t(1) << 20;
     /// Pairs of each triangle from which on a height field is searched for: that takes as long as to decide some
     /// (H200, ec9c821).
@@ -35,13 +35,13 @@ struct LightsTuning {
     std::size_t cpu_many_lights = 32;
     /// Thousands of lights are dense, and single lights were never the fastest (H200, 2ed168f).
     std::size_t gpu_many_lights = 2048;
-    /// A scattered point light takes a millisecond by itself, as shafts do for this number of points (cd6b871).
+    /// A scattered point light takes a millisecond by itself, as beams do for this number of points (cd6b871).
     std::size_t gpu_points_of_single_lights = std::size_t(1) << 18;
-    /// Shafts took longer than estimated where the estimates were close: 256 suns on a city were estimated at 206 ms by
-    /// shafts and 216 one by one, and took 263 and 229 (H200, d261765).
-    double gpu_shafts_over_estimate = 1.1;
+    /// Beams took longer than estimated where the estimates were close: 256 suns on a city were estimated at 206 ms by
+    /// beams and 216 one by one, and took 263 and 229 (H200, d261765).
+    double gpu_beams_over_estimate = 1.1;
     /// A cone is thin below some 2 degrees, and a box of point lights below this share of the largest coordinate: then
-    /// shafts were the fastest (H200, 814bed1).
+    /// beams were the fastest (H200, 814bed1).
     double thin_cone = 0.02, thin_box = 1 / 16.0;
     /// The next runs that a choice serves. Measuring takes a tenth of many runs, and of those with few lights more; it
     /// may be misled by what else the machine does, so that a choice expires (H200, eae2532).

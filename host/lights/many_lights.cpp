@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
-// A run over many lights, one light at a time, as every technique can; and what all such runs share.
+// A run over many lights, one light at a time, as every technique can do it; and the functions that all such runs
+// share.
 #include "lights/many_lights.hpp"
 
 #include <algorithm>
 #include <numeric>
 
-#include "api/statistics.hpp"
 #include "cl/opencl.hpp"
-#include "receivers/given_sides.hpp"
+#include "query/statistics.hpp"
+#include "receivers/backfacing.hpp"
 
 namespace gnomon {
 namespace {

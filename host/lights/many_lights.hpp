@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
-// A run over many lights: its inputs checked, its outputs, and the ways to decide the masks of bundles.
+// A run over many lights: the check of its inputs, its outputs, and one light at a time.
 #pragma once
 
-#include "api/inputs.hpp"
 #include "kernels/lights/light_sums.h"
 #include "lights/light_bundles.hpp"
 #include "lights/point_order.hpp"
+#include "query/inputs.hpp"
 
 namespace gnomon {
 
-/// How a run over many lights goes, in the technique's own terms.
-struct LightsOptions : GivenSides {
+/// The options of a run over many lights, as a technique takes them.
+struct LightsOptions : FacingInputs {
     bool cosines = false;  ///< as in LightsOutputs
     std::function<bool(double)> progress{};
 };
@@ -33,7 +33,7 @@ public:
     /// Clears the outputs. `slots`: MOST_BUNDLE_LIGHTS per bundle, the index of each slot's light, or no_light.
     /// `sorted`: the points in the order of the masks, null if that is the order of the run's points.
     LightSums(const LightsRun& run, std::span<const std::uint32_t> slots, const SortedPoints* sorted);
-    /// Adds the masks of points [first_point, first_point + point_count) and of some bundles.
+    /// Adds masks of the points [first_point, first_point + point_count).
     void add(const cl::Buffer& masks, std::size_t mask_stride, std::size_t first_point, std::size_t point_count,
              std::uint32_t first_bundle, std::uint32_t bundle_count);
     void finish();
@@ -49,16 +49,16 @@ private:
     cl::Buffer slots_, tables_, none_;
 };
 
-/// The run's points, sorted, in the memory of earlier ones.
+/// Sorts the run's points, into the memory of `earlier` ones.
 SortedPoints sorted_points(const LightsRun& run, SortedPoints earlier = {});
-/// One in `share` of these.
+/// Every share-th sequence of these points.
 SortedPoints sampled_points(const LightsRun& run, const SortedPoints& sorted, std::size_t share);
 
-/// `triangles` with clusters, if they are worth it for a run over many lights and the caller keeps none.
+/// Returns `triangles` with clusters, if a run over many lights gains by them and the caller keeps none.
 Triangles with_clusters(const Device& device, const Triangles& triangles);
 
-/// One light at a time, as every technique can. `sorted`: the points in the order in which the technique takes them,
-/// null for the order of the run's points. Adds its stages to `statistics`.
+/// Decides one light at a time. `sorted`: the points in the order in which the technique takes them; null for the order
+/// of the run's points. Adds its stages to `statistics`.
 void run_one_by_one(Technique& technique, const LightsRun& run, const SortedPoints* sorted, Statistics& statistics);
 
 /// Calls the progress function, if there is one; throws Cancelled if it returns false.

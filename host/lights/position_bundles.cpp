@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "api/vectors.hpp"
 #include "lights/light_bundles.hpp"
+#include "query/vectors.hpp"
 
 namespace gnomon {
 namespace {
@@ -24,7 +24,7 @@ std::size_t longest_axis(std::span<const std::uint32_t> part, const Positions& p
     return static_cast<std::size_t>(std::ranges::max_element(extent) - extent.begin());
 }
 
-// Halves a part across its longest side, and each half again: whole bundles first, then the slots of each cone.
+// Halves a part across its longest side, then each half, down to bundles and then to the slots of each cone.
 void halve(std::span<std::uint32_t> part, const Positions& positions) {
     if (part.size() < 2) return;
     const std::size_t axis = longest_axis(part, positions);
@@ -80,7 +80,7 @@ bool contains(const LightCone& box, const Double3& position) {
     return std::ranges::all_of(at, [](double share) { return std::abs(share) < 1 - 1e-6; });
 }
 
-// The second box contains them at the latest: `more` is then far above what all coordinates round.
+// The second box contains them at the latest, since `more` is then far above the rounding of all coordinates.
 void fit_box(LightCone& box, std::span<const std::uint32_t> part, const Positions& positions) {
     Double3 mean{};
     for (const std::uint32_t i : part) mean = sum(mean, scaled(positions[i], 1.0 / double(part.size())));

@@ -16,8 +16,8 @@ struct CoordinateBounds {
     float largest() const;
 };
 
-/// Of three minima and three maxima as kernels find them, keys of floats (float_to_key). No value if nothing was found:
-/// the first is still GN_NO_ID.
+/// The box of three minima and three maxima, which kernels store as keys of floats (float_to_key). No value if the
+/// first key is still GN_NO_ID: the kernel found no position.
 std::optional<CoordinateBounds> bounds_of_keys(std::span<const std::uint32_t> keys);
 
 /// 2^bits cells per axis over the box; one cell if all of it is one position.

@@ -6,10 +6,10 @@
 #include <limits>
 #include <vector>
 
-#include "api/variants.hpp"
 #include "kernels/exact/cut_outs.h"
 #include "lists/morton.hpp"
 #include "lists/sort.hpp"
+#include "query/variants.hpp"
 
 namespace gnomon {
 

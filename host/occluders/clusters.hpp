@@ -2,9 +2,9 @@
 // Stage clusters: the clusters of a kept mesh, and their cull for a projection (kernels/occluders/clusters.h).
 #pragma once
 
-#include "api/inputs.hpp"
 #include "kernels/occluders/clusters.h"
 #include "lists/morton.hpp"
+#include "query/inputs.hpp"
 
 namespace gnomon {
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "occluders/triangle_setup.hpp"
 
-#include "api/variants.hpp"
 #include "kernels/lists/append.h"
 #include "occluders/clusters.hpp"
+#include "query/variants.hpp"
 
 namespace gnomon {
 

@@ -5,9 +5,9 @@
 
 #include <algorithm>
 
-#include "api/inputs.hpp"
 #include "kernels/occluders/bin_lists.h"
 #include "kernels/occluders/triangle_setup.h"
+#include "query/inputs.hpp"
 
 namespace gnomon {
 

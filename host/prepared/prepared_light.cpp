@@ -92,7 +92,7 @@ PreparedParams PreparedLight::params(const TriangleInputs& triangles) const {
             .padding = 0};
 }
 
-// False if there is no triangle to fit to.
+// Returns false if there is no triangle to fit to.
 bool PreparedLight::fit(cl::Session& session, Statistics& statistics, const TriangleInputs& triangles) {
     cl::StageTimer timer(session, statistics, "light_frame");
     const cl_uint frame_count = frame_count_of(light_frame_);

@@ -504,6 +504,7 @@ void bind_errors(nb::module_& m) {
 
 NB_MODULE(_gnomon, m) {
     m.attr("__version__") = std::string(gnomon::version());
+    gnomon::add_rivals();
     bind_errors(m);
     bind_devices(m);
     bind_cut_outs(m);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "receivers/facing.hpp"
 
-#include "api/variants.hpp"
 #include "kernels/receivers/block_bounds.h"
+#include "query/variants.hpp"
 
 namespace gnomon {
 namespace {

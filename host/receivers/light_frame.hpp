@@ -2,8 +2,8 @@
 // Stage light_frame: the light's grid, fitted to the open points (kernels/receivers/light_frame.h).
 #pragma once
 
-#include "api/inputs.hpp"
 #include "kernels/receivers/light_frame.h"
+#include "query/inputs.hpp"
 #include "receivers/frame_grid.hpp"
 
 namespace gnomon {

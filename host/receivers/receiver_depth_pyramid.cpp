@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "api/variants.hpp"
 #include "kernels/receivers/receiver_depth_pyramid.h"
+#include "query/variants.hpp"
 
 namespace gnomon {
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <unordered_map>
 
-#include "api/inputs.hpp"
-#include "kernels/receivers/given_sides.h"
+#include "kernels/receivers/backfacing.h"
+#include "query/inputs.hpp"
 
 namespace gnomon {
 namespace {

@@ -49,7 +49,7 @@ void TracedFootprints::classify_frames(const FramedInputs& in, TracedRun& run) {
         lists_ = Lists{in.light_frame, run.map};
 }
 
-// Facing, then the classes over the prepared lists. What they do not cover is mixed.
+// Decides facing, then the classes over the prepared lists. A footprint that the lists do not cover is mixed.
 void TracedFootprints::classify_prepared(const FramedInputs& in, TracedRun& run) {
     const TraceInputs inputs = prepared_.inputs(in);
     tracer_.frames().start_facing(tracer_.session(), run.statistics,
@@ -71,7 +71,7 @@ Statistics TracedFootprints::trace(const Points& samples, const Visibility& visi
     require_run(triangles_, samples, light_, visibility);
     PointInputs inputs = point_inputs(samples, true);
     if (lists_ && !is_prepared_) return run_on_lists(inputs, visibility, {});
-    inputs.face_light = !lists_;  // a prepared trace decides facing on the way, which costs nothing
+    inputs.face_light = !lists_;  // a prepared trace decides facing itself, at no cost
     return prepared_.run(triangles_, inputs, light_, visibility.buffer());
 }
 

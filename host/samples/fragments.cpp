@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
-#include "api/statistics.hpp"
 #include "kernels/lists/append.h"
 #include "kernels/receivers/footprint.h"
+#include "query/statistics.hpp"
 
 namespace gnomon {
 
@@ -62,7 +62,7 @@ public:
         for (std::uint32_t first = 0; first < bands;) {
             set_batch(first, std::min(at_once, bands - first));
             if (!find_fragments()) {
-                // More receivers per pixel than expected: makes more room, or takes fewer pixels at a time.
+                // Pixels have more receivers than expected: enlarge the buffers, or take fewer pixels at a time.
                 kept_.extra_expected = counted_.extra + counted_.extra / 4;
                 if (batch_.count + kept_.extra_expected > points_at_once_) at_once = std::max(batch_.bands / 2, 1u);
                 continue;
@@ -119,7 +119,7 @@ private:
         return bands * tiles_x << 2 * CAMERA_TILE_LOG2;
     }
 
-    /// In the picture.
+    /// The pixel's position in the picture.
     std::size_t pixels_of_batch() const {
         const std::uint32_t first_row = batch_.first_tile / batch_.tiles_x << CAMERA_TILE_LOG2;
         return std::size_t(view_.width) * std::min(batch_.bands << CAMERA_TILE_LOG2, view_.height - first_row);
@@ -149,7 +149,7 @@ private:
 
     void read_counters() { counted_ = session_.read_value<SampleCounters>(kept_.counters); }
 
-    /// For the elements [first, first + count) of a kernel's list.
+    /// The parameters for the elements [first, first + count) of a kernel's list.
     SamplesParams params_of(cl_uint first, cl_uint count) const {
         return {.triangles = inputs_,
                 .picture = kept_.camera.picture(),
@@ -185,8 +185,8 @@ private:
         read_counters();
     }
 
-    /// An item for each pixel; what that leaves, an item for each sample. Open pairs are decided by themselves; where
-    /// too many are, by samples_fragments.
+    /// Launches an item for each pixel, then an item for each sample that is left. Open pairs have a kernel of their
+    /// own; if there are too many, samples_fragments decides them.
     void filter_edges() {
         const auto of_file = [&](const char* kernel) { return inputs_.kernel("samples/samples_filter.cl", kernel); };
         SamplesParams params = params_of(0, counted_.edges);
@@ -240,7 +240,7 @@ private:
         add_run([&] { return footprint_session_.classify({centres(), kept_.footprints, batch_.count, classes()}); });
     }
 
-    /// Of the fragments' footprints. The fragments' buffer begins with their receivers.
+    /// The points of the fragments' footprints. The fragments' buffer begins with their receivers.
     Points centres() const {
         return Internals::seen_from(
             Points::wrap(in_.device, kept_.centres.get(), {0, 1, batch_.slots}, used_slots(), kept_.fragments.get()),
@@ -302,7 +302,7 @@ private:
                   kept_.visibility, kept_.fragments);
     }
 
-    /// Makes points of the samples of mixed fragments, with room for `most`. Returns their number.
+    /// Makes points of the samples of mixed fragments, at most `most`. Returns their number.
     std::size_t make_points(cl_uint first, cl_uint count, std::size_t most) {
         kept_.point_samples.reserve(session_, most * 2 * sizeof(cl_uint));
         kept_.point_receivers.reserve(session_, most * sizeof(cl_uint));

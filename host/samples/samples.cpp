@@ -4,12 +4,12 @@
 
 #include <algorithm>
 
-#include "api/statistics.hpp"
+#include "query/statistics.hpp"
 
 namespace gnomon {
 namespace {
 
-// The buffers of so many points, with visibility and the trace's buffers, take about half a gigabyte.
+// The buffers of this number of points, with visibility and the trace's buffers, take about half a gigabyte.
 constexpr std::size_t largest_batch = std::size_t{1} << 23;
 
 // Direct3D's standard patterns: x and y of each sample, in its sixteenths of a pixel.

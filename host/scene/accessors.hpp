@@ -8,8 +8,8 @@
 #include <span>
 
 #include <gnomon.hpp>
-#include "api/vectors.hpp"
 #include "gltf.hpp"
+#include "query/vectors.hpp"
 
 namespace gnomon::scene {
 

@@ -9,7 +9,7 @@
 #include <limits>
 
 #include <gnomon.hpp>
-#include "api/vectors.hpp"
+#include "query/vectors.hpp"
 
 namespace gnomon::scene {
 

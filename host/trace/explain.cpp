@@ -2,8 +2,8 @@
 // gnomon::explain(): exact signs by kernels/trace/explain.cl, and provenance in words.
 #include <algorithm>
 
-#include "api/vectors.hpp"
 #include "kernels/trace/explain.h"
+#include "query/vectors.hpp"
 #include "trace/frustum_tracer.hpp"
 
 namespace gnomon {

@@ -6,7 +6,7 @@
 #include <functional>
 #include <optional>
 
-#include "api/statistics.hpp"
+#include "query/statistics.hpp"
 #include "receivers/light_frames.hpp"
 #include "trace/light_order.hpp"
 #include "trace/map_choice.hpp"
@@ -63,7 +63,7 @@ public:
     /// Bytes of the buffers that are kept from run to run: for MeasuredRun, here and in the wings after this one.
     std::uint64_t& kept_bytes() { return kept_bytes_; }
 
-    /// Points that come in no order are sorted first, where that pays.
+    /// Sorts points that come in no order first, if that saves time.
     Statistics run(const Triangles& triangles, const PointInputs& points, const Light& light, cl_mem visibility,
                    const TracePlan& plan = {});
     /// Decides all points, frame by frame.

@@ -3,10 +3,10 @@
 // (kernels/trace/light_order.h).
 #pragma once
 
-#include "api/inputs.hpp"
-#include "api/statistics.hpp"
 #include "kernels/trace/light_order.h"
 #include "lists/sort.hpp"
+#include "query/inputs.hpp"
+#include "query/statistics.hpp"
 
 namespace gnomon {
 

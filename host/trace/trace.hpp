@@ -3,9 +3,9 @@
 // undecided are queued (kernels/trace/trace.cl).
 #pragma once
 
-#include "api/variants.hpp"
 #include "kernels/trace/trace.h"
 #include "occluders/bins.hpp"
+#include "query/variants.hpp"
 #include "receivers/light_frame.hpp"
 
 namespace gnomon {

@@ -2,7 +2,7 @@
 // Contract of horizons: over a height field, a point's horizon decides the lights of a sector. A sector has lights of
 // nearly one azimuth, at any height: a light above the field's horizon in the sector reaches the point, a light below
 // it does not. Bounds of the horizon come from the triangles near the point, one by one, and from the pyramid farther
-// away. A light between the bounds stays open, for point shafts.
+// away. A light between the bounds stays open, for point beams.
 //
 // Along the ground a sector is a strip: at a distance q from the point, measured along the strip's middle, it extends
 // half_width q to either side. A light's slope is the height of its ray over the point, in units, at q = 1 half cell.

@@ -15,7 +15,7 @@
 // The position S of a point light is not scaled. A box contains the positions of some point lights: for each S there
 // are u, v and w in [-1, 1] with S = middle + u across + v along + w depth; planes[0] is depth.
 GN_STRUCT_BEGIN(LightCone)
-    // Outward normals of the shaft's four sides and of its near side: n . D < 0 for each light.
+    // Outward normals of the beam's four sides and of its near side: n . D < 0 for each light.
     float planes[5][3];
     float middle[3], across[3], along[3];
 GN_STRUCT_END(LightCone, 96)

@@ -24,6 +24,6 @@ GN_STRUCT_END(PointOrderParams, 144)
 // other.
 #define POINT_CODE_BITS 8u
 
-// A sample of the sorted points has runs of this many neighbours, as many as a packet (shafts/ray_packets.clh), so that
-// its shafts and packets are as thick as those of all points.
+// A sample of the sorted points has runs of this many neighbours, as many as a packet (packets/ray_packets.clh), so
+// that its beams and packets are as thick as those of all points.
 #define POINTS_OF_RUN 64u

@@ -2,10 +2,10 @@
 // Bins: for each bin of a projection, the list of the triangles that may block a point in it. Serves the light's frames
 // and, with a bin for each 16 x 16 pixels, the camera.
 //
-// A triangle enters a bin's list if it survives the cull there (bin_test.clh). Each pair of triangle and bin is found
-// once: bins_pairs stores it with its index in the bin's list (on a CPU triangle_tiles finds most pairs before, while
-// it has the records). bins_ranges gives each bin its range of the entries (in any order, but contiguous). bins_scatter
-// writes the entry there. On a GPU bins_order then puts the highest triangles of each run of a list first.
+// A triangle enters a bin's list if it survives the cull there (bin_overlap.clh). Each pair of triangle and bin is
+// found once: bins_pairs stores it with its index in the bin's list (on a CPU triangle_tiles finds most pairs before,
+// while it has the records). bins_ranges gives each bin its range of the entries (in any order, but contiguous).
+// bins_scatter writes the entry there. On a GPU bins_order then puts the highest triangles of each run of a list first.
 #include "occluders/tile_bins.clh"
 
 #ifdef GN_CPU

@@ -11,7 +11,7 @@
 #define CLUSTER_TRIANGLES 64u
 #define CLUSTER_BOX_BYTES 28
 
-// Of a scene: minima and maxima of its finite triangles' coordinates as keys (float_to_key), and their number.
+// The minima and maxima of the coordinates of a scene's finite triangles as keys (float_to_key), and their number.
 #define TRIANGLE_BOX_WORDS 7u
 
 // The order of the triangles is that of the Morton codes of the middles of their boxes, MORTON_BITS of each coordinate.

@@ -9,7 +9,7 @@
 // z(centre) - (|dz/dx| + |dz/dy|) / 2  (= their max(|a + b|, |a - b|) / 2). Z = 1 / W is as linear in the grid as a
 // directional light's Z, so the same formula is the perspective form for a point light.
 // All comparisons leave the record's margins, so rounding cannot shadow a lit point. The points on a receiver that the
-// receiver might cover itself are excluded: see trace/coarse_test.clh.
+// receiver might cover itself are excluded: see trace/map_query.clh.
 #include "occluders/conservative_map.h"
 #include "occluders/tile_bins.clh"
 

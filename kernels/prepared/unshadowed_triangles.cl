@@ -17,7 +17,7 @@
 // its ray but Q: R is not found to be unshadowed.
 #include "prepared/unshadowed_triangles.h"
 
-#include "occluders/bin_test.clh"
+#include "occluders/bin_overlap.clh"
 #include "prepared/prepared_light.h"
 
 // True, and the sign, if float or double are certain of it. The integers' level is left out: on a GPU it took three

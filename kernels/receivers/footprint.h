@@ -38,8 +38,8 @@
 #else
 #define FOOTPRINT_SPAN 8
 #endif
-// A footprint that spans up to so many bins per side lowers the depth of every bin that it touches, so that its samples
-// find all their occluders there. (Of Sponza's 2.6 million footprints three span 32 or more.)
+// A footprint that spans at most this number of bins per side lowers the depth of every bin that it touches, so that
+// its samples find all their occluders there. (Of Sponza's 2.6 million footprints three span 32 or more.)
 #define LISTED_SPAN 64
 
 typedef struct FootprintBlock {

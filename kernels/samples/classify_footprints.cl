@@ -28,7 +28,7 @@
 // A prepared light's lists are complete for every sample in the light's domain. So a footprint that lies in the domain
 // as a whole is classified over them as over a run's own lists, which also lack triangles below the map. Any other
 // footprint is mixed, and the prepared trace decides for each of its samples whether the lists cover it.
-#include "occluders/bin_test.clh"
+#include "occluders/bin_overlap.clh"
 #include "occluders/triangle_setup.h"
 #include "prepared/prepared_light.h"
 #include "samples/classify_footprints.h"

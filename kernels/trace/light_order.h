@@ -4,6 +4,7 @@
 #pragma once
 
 #include "receivers/light_frame.h"
+#include "simd/points.h"
 
 // The points of a sampled run of neighbours, as many as a block has on a CPU.
 #define LIGHT_ORDER_RUN 16u
@@ -15,6 +16,6 @@ GN_STRUCT_BEGIN(LightOrderParams)
     LightFrame light_frame;
     float origin[2], scale[2];  // of the cells in the light's plane
     uint run_count;             // of sampled runs,
-    uint run_stride;            // so many points apart
+    uint run_stride;            // the distance of two runs, in points
     uint padding[2];
 GN_STRUCT_END(LightOrderParams, 144)

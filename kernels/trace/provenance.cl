@@ -4,7 +4,7 @@
 // predicate's levels: for these the kernels call the stages' functions with the same values.
 #include "exact/decide_pair.clh"
 #include "simd/frame_counters.h"
-#include "trace/coarse_test.clh"
+#include "trace/map_query.clh"
 #include "trace/provenance.h"
 #include "trace/trace.h"
 

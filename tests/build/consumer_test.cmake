@@ -57,11 +57,30 @@ set(c_prints "2048 of 4096 points are in the light\n")
 expect("${build}/embedding_in_c" "${c_prints}")
 expect("${build}/failures" "InvalidArgument\nDeviceNotFound\nOutOfDeviceMemory\nOpenClError\nError\nruntime_error\n")
 
+expect("${build}/rivals" "izb: exact\nshadow-map: a few points wrong\n")
+
+# A program that links the core alone has no kernel of shading or of the classic techniques; one that links all has.
+foreach(program IN ITEMS example rivals)
+  file(SIZE "${build}/${program}" bytes)
+  message("${program}: ${bytes} bytes")
+  if(NOT WAY STREQUAL "installed_shared")
+    file(STRINGS "${build}/${program}" kernels REGEX "^kernels/(shading|rivals)/.*\\.cl")
+    list(LENGTH kernels kernels_of_satellites)
+    if(kernels_of_satellites GREATER 0 AND program STREQUAL "example" OR
+       kernels_of_satellites EQUAL 0 AND program STREQUAL "rivals")
+      message(FATAL_ERROR "${program} has ${kernels_of_satellites} kernel files of shading and of the classic techniques")
+    endif()
+  endif()
+endforeach()
+
 if(WAY STREQUAL "installed_shared")
   file(GLOB_RECURSE library "${prefix}/libgnomon.so")
+  file(GLOB_RECURSE full_library "${prefix}/libgnomon_full.so")
   if(NM)
-    run("${CMAKE_CURRENT_LIST_DIR}/exported_symbols.sh" "${NM}" "${library}" "${prefix}/include"
-        "${CMAKE_CURRENT_LIST_DIR}/c_symbols.txt")
+    set(symbols "${CMAKE_CURRENT_LIST_DIR}/c_symbols.txt")
+    run("${CMAKE_CURRENT_LIST_DIR}/exported_symbols.sh" "${NM}" "${library}" "${prefix}/include" "${symbols}")
+    run("${CMAKE_CURRENT_LIST_DIR}/exported_symbols.sh" "${NM}" "${full_library}" "${prefix}/include" "${symbols}"
+        "${CMAKE_CURRENT_LIST_DIR}/c_symbols_of_full.txt")
   else()
     message("NOT TESTED: there is no nm to list the exported symbols")
   endif()

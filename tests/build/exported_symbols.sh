@@ -2,15 +2,15 @@
 # SPDX-License-Identifier: MIT
 # Fails if a shared library shows a symbol that the public headers do not declare, or lacks one that other programs
 # need to catch its exceptions; and if the functions of gnomon.h that it shows are not exactly those of the list: a
-# program that was linked with this version needs each. usage: exported_symbols.sh NM LIBRARY HEADERS LIST
+# program that was linked with this version needs each. usage: exported_symbols.sh NM LIBRARY HEADERS LISTS...
 #
 # What the compiler made of the standard library's templates for types that the header declares is weak, and shown.
 set -euo pipefail
-nm=$1 library=$2 headers=$3 list=$4
+nm=$1 library=$2 headers=$3 lists=("${@:4}")
 
-wanted=$(grep -v '^#' "$list")
+wanted=$(grep -hv '^#' "${lists[@]}")
 if ! diff <(sort <<<"$wanted") <("$nm" -D --defined-only "$library" | awk '$3 ~ /^gnomon_/ { print $3 }' | sort); then
-    echo "the functions of gnomon.h are not those of $list (<: listed, >: shown)"
+    echo "the functions of gnomon.h are not those of ${lists[*]} (<: listed, >: shown)"
     exit 1
 fi
 

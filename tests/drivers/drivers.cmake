@@ -63,11 +63,11 @@ gnomon_lie(memory_of_its_own_is_copied unified=0 library_test --gtest_filter=Sha
 gnomon_lie(shared_memory_is_used_in_place type=gpu,unified=1 library_test --gtest_filter=SharedMemory.*)
 gnomon_lie(groups_of_64_many_lights type=gpu,work_group=64,local_memory=16384 many_lights_test)
 gnomon_lie(kernels_of_32_items_many_lights type=gpu,kernel_work_group=32 many_lights_test)
-# A shaft's group has an item for each child of a node.
+# A beam's group has an item for each child of a node.
 gnomon_lie(kernels_of_5_items_many_lights type=gpu,kernel_work_group=5 many_lights_test
   --gtest_filter=ManyLights.SidesAreThoseOfOneLight)
 set_tests_properties(lie_kernels_of_5_items_many_lights PROPERTIES
-  PASS_REGULAR_EXPRESSION "shaft_trace needs work-groups of 32 items, and the device allows it 5: use another device")
+  PASS_REGULAR_EXPRESSION "beam_trace needs work-groups of 32 items, and the device allows it 5: use another device")
 
 gnomon_refused_lie(opencl_c_1_1 opencl_c=1.1 "cannot be used: it lacks OpenCL C 1\\.2$")
 gnomon_refused_lie(addresses_of_32_bits address_bits=32 "cannot be used: it lacks 64-bit addresses$")

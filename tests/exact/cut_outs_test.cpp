@@ -194,7 +194,7 @@ TEST(CutOuts, FootprintsAreAsSampleBySample) {
     }
 }
 
-void expect_shafts_and_explain_honour_masks(const std::vector<Family>& families) {
+void expect_beams_and_explain_honour_masks(const std::vector<Family>& families) {
     const Floats scene = small_scene(), points = random_points(600, -1.2f, 1.2f, 8);
     const auto suns = gnomon::sun_disk({0.3f, -1, 0.2f}, 5, 40);
     const auto lamp = gnomon::area_light({-0.2f, 1.5f, 0.1f}, {0.5f, 0, 0}, {0, 0.1f, 0.4f}, 40);
@@ -209,9 +209,9 @@ void expect_shafts_and_explain_honour_masks(const std::vector<Family>& families)
         };
         for (const gnomon::Lights& table : {suns, lamp}) {
             const auto one = bits_of("one-by-one", triangles, table);
-            for (const char* how : {"shafts", "point-shafts", "rays"})
+            for (const char* how : {"beams", "point-beams", "rays"})
                 EXPECT_EQ(bits_of(how, triangles, table), one) << name << ", " << how;
-            EXPECT_NE(bits_of("shafts", Triangles::upload(device, scene), table), one) << name;
+            EXPECT_NE(bits_of("beams", Triangles::upload(device, scene), table), one) << name;
         }
         for (const gnomon::Light& light : lights) {
             const auto visibility = run(device, triangles, given, light);
@@ -224,14 +224,13 @@ void expect_shafts_and_explain_honour_masks(const std::vector<Family>& families)
     }
 }
 
-TEST(CutOuts, ShaftsAndExplainHonourThem) {
-    expect_shafts_and_explain_honour_masks(
-        {{"cpu", Device()}, {"cpu without double", Device({}, {.hide_fp64 = true})}});
+TEST(CutOuts, BeamsAndExplainHonourThem) {
+    expect_beams_and_explain_honour_masks({{"cpu", Device()}, {"cpu without double", Device({}, {.hide_fp64 = true})}});
 }
 
-// PoCL compiles the eight programs of shafts for GPUs in 8 to 14 seconds each.
-TEST(CutOuts, ShaftsAndExplainForGpusExhaustive) {
-    expect_shafts_and_explain_honour_masks(
+// PoCL compiles the eight programs of beams for GPUs in 8 to 14 seconds each.
+TEST(CutOuts, BeamsAndExplainForGpusExhaustive) {
+    expect_beams_and_explain_honour_masks(
         {{"gpu", Device({}, {.gpu_kernels = true})},
          {"gpu without double", Device({}, {.hide_fp64 = true, .gpu_kernels = true})}});
 }

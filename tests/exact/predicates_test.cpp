@@ -20,9 +20,9 @@
 #include <numeric>
 #include <sstream>
 
-#include "api/inputs.hpp"
 #include "exact/predicates/cases.hpp"
 #include "exact/predicates/truth.hpp"
+#include "query/inputs.hpp"
 #include "reference/parallel.hpp"
 
 namespace {

@@ -6,8 +6,8 @@
 #include <cstdlib>
 #include <string>
 
-#include "api/inputs.hpp"
 #include "exact/self_check.hpp"
+#include "query/inputs.hpp"
 #include "support/environment.hpp"
 
 namespace {

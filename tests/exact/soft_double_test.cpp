@@ -10,8 +10,8 @@
 #include <limits>
 #include <sstream>
 
-#include "api/inputs.hpp"
 #include "exact/predicates/cases.hpp"
+#include "query/inputs.hpp"
 
 namespace {
 

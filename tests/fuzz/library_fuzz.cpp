@@ -413,6 +413,7 @@ void run_view(Choices& choices, Scene& scene) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    gnomon::add_rivals();
     Choices choices(data, size);
     const bool with_camera = choices.once_in(3);
     {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // What horizons decide is what the oracle says, on fields and for points and lights that tie; and they decide most
-// pairs. Shafts, which decide the rest, take no part here.
+// pairs. Beams, which decide the rest, take no part here.
 #include <gtest/gtest.h>
 
 #include "horizons/horizons.hpp"
-#include "shafts/light_masks.hpp"
+#include "light_tables/light_masks.hpp"
 #include "support/device.hpp"
 #include "support/terrains.hpp"
 
@@ -78,8 +78,8 @@ Decided expect_decisions(const gnomon::Device& device, LightScene scene, const g
     const gnomon::LightsOptions options;
     const gnomon::LightsRun run{device, triangles, points, lights, outputs, options};
     const gnomon::SortedPoints sorted = gnomon::sorted_points(run);
-    const gnomon::BuiltShaftTree tree(device, triangles);
-    const gnomon::TreeRun through_tree{run, sorted, tree};
+    const gnomon::WideBvh tree(device, triangles);
+    const gnomon::BvhRun through_tree{run, sorted, tree};
     const auto bundles = gnomon::make_sector_bundles(lights.lights(), 32, field.field().axis);
     gnomon::Statistics statistics;
     gnomon::LightMasks masks(through_tree, *bundles, statistics, true);

@@ -35,7 +35,7 @@ LightsCosts costs_of(std::initializer_list<std::pair<Method, double>> measured) 
 void expect_by_rule(const LightsTraits& traits, Method expected) {
     EXPECT_EQ(methods_to_measure(traits), Methods{});
     EXPECT_EQ(choose_method(traits, {}), expected);
-    for (const Method fastest : {Method::one_by_one, Method::shafts, Method::rays, Method::horizons})
+    for (const Method fastest : {Method::one_by_one, Method::beams, Method::rays, Method::horizons})
         EXPECT_EQ(choose_method(traits, costs_of({{fastest, 1}})), expected);
 }
 
@@ -54,13 +54,13 @@ TEST(LightsMethod, FewLightsAndLightsThatCannotBeBundledGoOneByOne) {
     }
 }
 
-TEST(LightsMethod, SmallRunsTakeShaftsUnmeasured) {
+TEST(LightsMethod, SmallRunsTakeBeamsUnmeasured) {
     for (const bool is_cpu : {false, true}) {
         LightsTraits traits = large_run(is_cpu);
         traits.triangles = 1;
         traits.is_height_field = true;
         traits.points = lights_tuning.min_measured_pairs / traits.lights - 1;
-        expect_by_rule(traits, Method::shafts);
+        expect_by_rule(traits, Method::beams);
         EXPECT_FALSE(gnomon::wants_height_field(traits));
         EXPECT_FALSE(gnomon::wants_widest_bundle(traits));
         ++traits.points;
@@ -88,21 +88,21 @@ TEST(LightsMethod, AHeightFieldIsSearchedForWhereItMayServe) {
 TEST(LightsMethod, ACpuMeasuresWhatMayBeTheFastest) {
     LightsTraits traits = large_run(true);
     EXPECT_FALSE(gnomon::wants_widest_bundle(traits));
-    EXPECT_EQ(methods_to_measure(traits), (Methods{Method::shafts, Method::rays}));
+    EXPECT_EQ(methods_to_measure(traits), (Methods{Method::beams, Method::rays}));
     traits.is_height_field = true;
-    EXPECT_EQ(methods_to_measure(traits), (Methods{Method::shafts, Method::rays, Method::horizons}));
+    EXPECT_EQ(methods_to_measure(traits), (Methods{Method::beams, Method::rays, Method::horizons}));
     traits.is_height_field = false;
     traits.keeps_clusters = true;  // does not matter on a CPU
-    EXPECT_EQ(methods_to_measure(traits), (Methods{Method::shafts, Method::rays}));
+    EXPECT_EQ(methods_to_measure(traits), (Methods{Method::beams, Method::rays}));
     traits.is_picture = true;
-    EXPECT_EQ(methods_to_measure(traits), (Methods{Method::shafts, Method::rays, Method::one_by_one}));
+    EXPECT_EQ(methods_to_measure(traits), (Methods{Method::beams, Method::rays, Method::one_by_one}));
     --traits.points;  // fewer than 2^25 pairs
-    EXPECT_EQ(methods_to_measure(traits), (Methods{Method::shafts, Method::rays}));
+    EXPECT_EQ(methods_to_measure(traits), (Methods{Method::beams, Method::rays}));
     traits.points *= 8;
     traits.lights = lights_tuning.cpu_many_lights - 1;
-    EXPECT_EQ(methods_to_measure(traits), (Methods{Method::shafts, Method::rays, Method::one_by_one}));
+    EXPECT_EQ(methods_to_measure(traits), (Methods{Method::beams, Method::rays, Method::one_by_one}));
     ++traits.lights;
-    EXPECT_EQ(methods_to_measure(traits), (Methods{Method::shafts, Method::rays}));
+    EXPECT_EQ(methods_to_measure(traits), (Methods{Method::beams, Method::rays}));
 }
 
 TEST(LightsMethod, ASlowMethodIsLeft) {
@@ -125,13 +125,13 @@ TEST(LightsMethod, ASlowMethodIsLeft) {
 TEST(LightsMethod, AMethodOutOfMemoryIsInfinitelySlow) {
     LightsTraits traits = large_run(true);
     EXPECT_EQ(choose_method(traits, costs_of({{Method::rays, 1e12}})), Method::rays);
-    EXPECT_EQ(choose_method(traits, costs_of({{Method::shafts, 1e12}})), Method::shafts);
-    EXPECT_EQ(choose_method(traits, {}), Method::shafts);  // no memory for either: the one that takes the least
+    EXPECT_EQ(choose_method(traits, costs_of({{Method::beams, 1e12}})), Method::beams);
+    EXPECT_EQ(choose_method(traits, {}), Method::beams);  // no memory for either: the one that takes the least
     traits = large_run(false);
     traits.is_picture = true;
     EXPECT_EQ(choose_method(traits, costs_of({{Method::one_by_one, 1e12}})), Method::one_by_one);
-    EXPECT_EQ(choose_method(traits, costs_of({{Method::shafts, 1e12}})), Method::shafts);
-    EXPECT_EQ(choose_method(traits, {}), Method::shafts);
+    EXPECT_EQ(choose_method(traits, costs_of({{Method::beams, 1e12}})), Method::beams);
+    EXPECT_EQ(choose_method(traits, {}), Method::beams);
 }
 
 TEST(LightsMethod, AGpuTakesHorizonsOfAHeightFieldUnmeasured) {
@@ -141,7 +141,7 @@ TEST(LightsMethod, AGpuTakesHorizonsOfAHeightFieldUnmeasured) {
     EXPECT_FALSE(gnomon::wants_widest_bundle(traits));
 }
 
-TEST(LightsMethod, AGpuTakesShaftsOfThinBundlesUnmeasured) {
+TEST(LightsMethod, AGpuTakesBeamsOfThinBundlesUnmeasured) {
     for (const bool are_point_lights : {false, true}) {
         LightsTraits traits = large_run(false);
         traits.is_picture = true;
@@ -149,10 +149,10 @@ TEST(LightsMethod, AGpuTakesShaftsOfThinBundlesUnmeasured) {
         EXPECT_TRUE(gnomon::wants_widest_bundle(traits));
         const double limit = are_point_lights ? lights_tuning.thin_box : lights_tuning.thin_cone;
         traits.widest_bundle = limit * 0.999;
-        expect_by_rule(traits, Method::shafts);
+        expect_by_rule(traits, Method::beams);
         traits.widest_bundle = limit;
         EXPECT_TRUE(are_point_lights || !methods_to_measure(traits).empty());
-        EXPECT_NE(choose_method(traits, costs_of({{Method::one_by_one, 1}})), Method::shafts);
+        EXPECT_NE(choose_method(traits, costs_of({{Method::one_by_one, 1}})), Method::beams);
     }
 }
 
@@ -162,40 +162,40 @@ TEST(LightsMethod, AGpuTakesScatteredPointLightsOneByOneForManyPoints) {
     traits.points = lights_tuning.gpu_points_of_single_lights;
     expect_by_rule(traits, Method::one_by_one);
     --traits.points;
-    expect_by_rule(traits, Method::shafts);
+    expect_by_rule(traits, Method::beams);
 }
 
 TEST(LightsMethod, AGpuMeasuresSingleLightsWhereItPays) {
-    const Methods both{Method::shafts, Method::one_by_one};
+    const Methods both{Method::beams, Method::one_by_one};
     LightsTraits traits = large_run(false);
-    expect_by_rule(traits, Method::shafts);  // no picture, and no later run can use the choice
+    expect_by_rule(traits, Method::beams);  // no picture, and no later run can use the choice
     traits.keeps_clusters = true;
     EXPECT_EQ(methods_to_measure(traits), both);
     traits.keeps_clusters = false;
     traits.is_picture = true;
     EXPECT_EQ(methods_to_measure(traits), both);
     --traits.points;
-    expect_by_rule(traits, Method::shafts);  // fewer than 2^25 pairs
+    expect_by_rule(traits, Method::beams);  // fewer than 2^25 pairs
     traits = large_run(false);
     traits.is_picture = true;
     traits.lights = lights_tuning.gpu_many_lights - 1;
     EXPECT_EQ(methods_to_measure(traits), both);
     ++traits.lights;
-    expect_by_rule(traits, Method::shafts);
+    expect_by_rule(traits, Method::beams);
 }
 
-TEST(LightsMethod, AGpuTakesSingleLightsWithinATenthOfShafts) {
+TEST(LightsMethod, AGpuTakesSingleLightsWithinATenthOfBeams) {
     LightsTraits traits = large_run(false);
     traits.is_picture = true;
-    const auto chosen = [&](double shafts, double one_by_one) {
-        return choose_method(traits, costs_of({{Method::shafts, shafts}, {Method::one_by_one, one_by_one}}));
+    const auto chosen = [&](double beams, double one_by_one) {
+        return choose_method(traits, costs_of({{Method::beams, beams}, {Method::one_by_one, one_by_one}}));
     };
     EXPECT_EQ(chosen(206, 216), Method::one_by_one);  // the city's 256 suns: 263 and 229 ms in truth
     EXPECT_EQ(chosen(100, 109.9), Method::one_by_one);
-    EXPECT_EQ(chosen(100, 110.1), Method::shafts);
+    EXPECT_EQ(chosen(100, 110.1), Method::beams);
     EXPECT_EQ(chosen(100, 90), Method::one_by_one);
     traits.is_cpu = true;  // its estimates are taken as they are
-    EXPECT_EQ(chosen(100, 100.1), Method::shafts);
+    EXPECT_EQ(chosen(100, 100.1), Method::beams);
 }
 
 // Whatever the traits: a choice by costs is one of the measured methods, and a rule measures nothing.
@@ -226,9 +226,9 @@ TEST(LightsMethod, TheChoiceIsMeasuredOrByRule) {
             EXPECT_TRUE(std::ranges::find(measured, method) != measured.end());
     }
     EXPECT_GT(measured_runs, 1000u);
-    for (const Method method : {Method::one_by_one, Method::shafts, Method::rays, Method::horizons})
+    for (const Method method : {Method::one_by_one, Method::beams, Method::rays, Method::horizons})
         EXPECT_GT(chosen[std::size_t(method)], 100u) << std::size_t(method);
-    EXPECT_EQ(chosen[std::size_t(Method::automatic)] + chosen[std::size_t(Method::point_shafts)], 0u);
+    EXPECT_EQ(chosen[std::size_t(Method::automatic)] + chosen[std::size_t(Method::point_beams)], 0u);
 }
 
 const gnomon::MethodCache::Key two_suns{{{0, 1, 0, 0}, {1, 1, 0, 0}}, 1000, false};
@@ -241,8 +241,8 @@ TEST(MethodCache, AChoiceExpiresAfterItsRuns) {
         EXPECT_EQ(cache.find(two_suns), Method::rays) << run;
     EXPECT_EQ(cache.find(two_suns), std::nullopt);
     EXPECT_EQ(cache.find(two_suns), std::nullopt);
-    cache.keep(two_suns, Method::shafts);
-    EXPECT_EQ(cache.find(two_suns), Method::shafts);
+    cache.keep(two_suns, Method::beams);
+    EXPECT_EQ(cache.find(two_suns), Method::beams);
 }
 
 TEST(MethodCache, AChoiceServesTheSameRunAlone) {

@@ -17,7 +17,7 @@ using namespace support;
 using gnomon::Lights;
 
 constexpr gnomon::LightsWanted EVERYTHING{true, true, true, true, true};
-constexpr const char* WAYS[] = {"one-by-one", "shafts", "point-shafts", "rays", "auto"};
+constexpr const char* WAYS[] = {"one-by-one", "beams", "point-beams", "rays", "auto"};
 
 gnomon::LightsOnHost run(const gnomon::Device& device, const LightScene& scene, const Lights& lights,
                          const std::string& way, gnomon::RunOptions options = {}) {
@@ -43,7 +43,7 @@ double expect_truth(const gnomon::Device& device, LightScene scene, const Lights
     }
     for (const std::string way : WAYS) {
         SCOPED_TRACE(scene.name + ", " + way);
-        if ((way == "shafts" || way == "point-shafts" || way == "rays") &&
+        if ((way == "beams" || way == "point-beams" || way == "rays") &&
             !std::ranges::all_of(lights.lights(), &gnomon::Light::is_directional))
             continue;
         const auto answers = run(device, scene, lights, way);

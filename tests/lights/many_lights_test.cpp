@@ -94,10 +94,10 @@ std::size_t expect_outputs(const gnomon::LightsOnHost& answers, const std::vecto
     return lit_pairs;
 }
 
-TEST(ManyLights, EveryBitEqualsTheOracleOneByOneAndByShaftsOfBlocksAndOfPoints) {
+TEST(ManyLights, EveryBitEqualsTheOracleOneByOneAndByBeamsOfBlocksAndOfPoints) {
     const gnomon::Device device = device_with();
     const bool is_cpu = gnomon::session_of(device).is_cpu();
-    std::size_t pairs = 0, lit = 0, by_shafts = 0, undecided = 0, seed = 0;
+    std::size_t pairs = 0, lit = 0, by_beams = 0, undecided = 0, seed = 0;
     for (LightScene scene : light_scenes()) {
         if (++seed % 3 != 0) continue;
         scene.points.resize(std::min<std::size_t>(scene.points.size(), 3 * 75));
@@ -109,27 +109,27 @@ TEST(ManyLights, EveryBitEqualsTheOracleOneByOneAndByShaftsOfBlocksAndOfPoints) 
         pairs += lights.count() * scene.points.size() / 3;
         const auto either = run(device, scene, lights, "auto", {}, seed % 2 == 0 ? "32" : "5");
         expect_outputs(either, truth, lights, scene.name + ", by what takes less time");
-        const bool are_shafts = either.statistics.count("bundles") != 0;
-        by_shafts += are_shafts;
+        const bool are_beams = either.statistics.count("bundles") != 0;
+        by_beams += are_beams;
         const std::pair<const char*, const char*> stage_of_way[] = {
-            {"shafts", "shaft_trace"},
-            {"point-shafts", "point_shaft_trace"},
-            {"rays", !is_cpu ? "point_shaft_trace" : "ray_packets"}};
+            {"beams", "beam_trace"},
+            {"point-beams", "point_beam_trace"},
+            {"rays", !is_cpu ? "point_beam_trace" : "ray_packets"}};
         for (const auto& [way, stage] : stage_of_way) {
-            if (!are_shafts) continue;
-            const auto shafts = run(device, scene, lights, way, {}, seed % 2 == 0 ? "32" : "5");
-            expect_outputs(shafts, truth, lights, scene.name + ", by " + way);
-            EXPECT_TRUE(std::ranges::any_of(shafts.statistics.stages,
-                                            [&](const auto& s) { return s.name.starts_with(stage); }));
-            undecided += shafts.statistics.count("queued_pairs");
+            if (!are_beams) continue;
+            const auto beams = run(device, scene, lights, way, {}, seed % 2 == 0 ? "32" : "5");
+            expect_outputs(beams, truth, lights, scene.name + ", by " + way);
+            EXPECT_TRUE(
+                std::ranges::any_of(beams.statistics.stages, [&](const auto& s) { return s.name.starts_with(stage); }));
+            undecided += beams.statistics.count("queued_pairs");
         }
         if (HasFailure()) return;
     }
-    std::cout << pairs << " pairs, " << lit << " lit; " << by_shafts << " scenes by shafts, " << undecided
+    std::cout << pairs << " pairs, " << lit << " lit; " << by_beams << " scenes by beams, " << undecided
               << " entries queued\n";
     EXPECT_GT(lit, pairs / 20);
     EXPECT_LT(lit, pairs - pairs / 20);
-    EXPECT_GT(by_shafts, 20u);
+    EXPECT_GT(by_beams, 20u);
     EXPECT_GT(undecided, 1000u);  // ties reach the exact predicate
 }
 
@@ -184,16 +184,16 @@ TEST(ManyLights, SidesAreThoseOfOneLight) {
         if (side == 2) options.facing = gnomon::Facing::winding();
         if (side == 3) options.facing = gnomon::Facing::normals(normals.positions());
         const auto one = run(device, scene, lights, "one-by-one", options);
-        const auto shafts = run(device, scene, lights, "shafts", options);
-        EXPECT_EQ(one.bits, shafts.bits);
-        EXPECT_EQ(one.sums, shafts.sums);
-        EXPECT_EQ(one.bits, run(device, scene, lights, "point-shafts", options).bits);
+        const auto beams = run(device, scene, lights, "beams", options);
+        EXPECT_EQ(one.bits, beams.bits);
+        EXPECT_EQ(one.sums, beams.sums);
+        EXPECT_EQ(one.bits, run(device, scene, lights, "point-beams", options).bits);
         std::size_t lit = 0;
         for (const std::uint32_t count : one.counts) lit += count;
         EXPECT_GT(lit, 2000u);
         if (side > 1) continue;
         const auto truth = truth_of_each(scene, lights);
-        expect_outputs(shafts, truth, lights, "by shafts");
+        expect_outputs(beams, truth, lights, "by beams");
     }
 }
 
@@ -222,7 +222,7 @@ TEST(ManyLights, SidesOfSliversAreThoseOfOneLight) {
         if (has_eye) scene.eye = Float3{5, 4, 3};
         const auto one = run(device, scene, lights, "one-by-one",
                              {.facing = has_eye ? gnomon::Facing::none() : gnomon::Facing::winding()});
-        EXPECT_EQ(one.bits, run(device, scene, lights, "shafts",
+        EXPECT_EQ(one.bits, run(device, scene, lights, "beams",
                                 {.facing = has_eye ? gnomon::Facing::none() : gnomon::Facing::winding()})
                                 .bits);
         std::size_t partly = 0;
@@ -242,7 +242,7 @@ TEST(ManyLights, NoDeviceSettingChangesABitExhaustive) {
         if (kind == 2) options.work_group_size = 3;
         if (kind == 3) options.memory_limit_bytes = 12 << 20;
         const gnomon::Device device({}, options);
-        for (const char* way : {"shafts", "point-shafts", "rays"})
+        for (const char* way : {"beams", "point-beams", "rays"})
             for (const char* bundle_lights : {"1", "16", "32"}) {
                 const auto got = run(device, scene, lights, way, {}, bundle_lights);
                 EXPECT_EQ(got.bits, usual.bits) << "kind " << kind << ", " << way << ", bundles of " << bundle_lights;
@@ -262,7 +262,7 @@ TEST(ManyLights, OrderOfLightsChangesNoSum) {
         lights.push_back(lights_all_around(1, 100 + i).lights()[0]);
         weights.push_back(std::ldexp(float(random.below(1 << 24)) - 0x1p23f, -int(random.below(40))));
     }
-    const auto usual = run(device, scene, Lights(lights, weights), "shafts");
+    const auto usual = run(device, scene, Lights(lights, weights), "beams");
     std::vector<std::size_t> order(lights.size());
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
     std::shuffle(order.begin(), order.end(), engine);
@@ -272,7 +272,7 @@ TEST(ManyLights, OrderOfLightsChangesNoSum) {
         shuffled.push_back(lights[i]);
         shuffled_weights.push_back(weights[i]);
     }
-    EXPECT_EQ(run(device, scene, Lights(shuffled, shuffled_weights), "shafts").sums, usual.sums);
+    EXPECT_EQ(run(device, scene, Lights(shuffled, shuffled_weights), "beams").sums, usual.sums);
     EXPECT_EQ(run(device, scene, Lights(shuffled, shuffled_weights), "one-by-one").sums, usual.sums);
     EXPECT_GT(*std::ranges::max_element(usual.sums), 0);
 }
@@ -283,7 +283,7 @@ TEST(ManyLights, HoursBehindAWall) {
     LightScene scene{"wall", {4, -1, -1e4f, 4, -1, 1e4f, 4, 3, 0, 4, -1, 1e4f, 4, 3, -1e4f, 4, 3, 1e4f}, {0, 0, 0}, {}};
     std::vector<gnomon::Light> lights;
     for (int i = 1; i <= 80; ++i) lights.push_back(gnomon::Light::directional({-40, float(-i), 0}));
-    const auto answers = run(device_with(), scene, Lights(lights), "shafts");
+    const auto answers = run(device_with(), scene, Lights(lights), "beams");
     EXPECT_EQ(answers.counts[0], 50u);
     EXPECT_EQ(answers.first_lit[0], 30u);  // slope 31 / 40
     EXPECT_EQ(answers.last_lit[0], 79u);
@@ -296,7 +296,7 @@ TEST(ManyLights, SkyOfACanyonHasItsClosedForm) {
     for (const float x : {-1.0f, 1.0f})
         append(scene.triangles, {x, -1, -1e4f, x, -1, 1e4f, x, 2, 1e4f, x, -1, -1e4f, x, 2, 1e4f, x, 2, -1e4f});
     const Lights sky = gnomon::sky_patches({0, 1, 0}, {0, 0, -1}, 16);
-    const auto answers = run(device_with(), scene, sky, "shafts");
+    const auto answers = run(device_with(), scene, sky, "beams");
     EXPECT_NEAR(answers.sums[0], std::sin(std::atan(1 / 2.0)), 2e-3);
     double all = 0;
     for (const float weight : sky.weights()) all += weight;
@@ -315,13 +315,13 @@ TEST(ManyLights, CosinesFollowTheirStatedArithmetic) {
     const gnomon::Points normals = gnomon::Points::upload(device, scene.normals);
     const gnomon::RunOptions options{.facing = gnomon::Facing::normals(normals.positions())};
     const Lights lights = table_around({"", {}, {}, along(-0.3f, -1, 0.2f)}, 60, 9);
-    const auto shafts = run(device, scene, lights, "shafts", options, "32", WITH_COSINES);
-    EXPECT_EQ(run(device, scene, lights, "one-by-one", options, "32", WITH_COSINES).sums, shafts.sums);
+    const auto beams = run(device, scene, lights, "beams", options, "32", WITH_COSINES);
+    EXPECT_EQ(run(device, scene, lights, "one-by-one", options, "32", WITH_COSINES).sums, beams.sums);
     for (std::size_t p = 0; p < scene.receivers.size(); ++p) {
         const float* n = scene.normals.data() + 3 * p;
         std::int64_t whole = 0;
         for (std::size_t l = 0; l < lights.count(); ++l) {
-            if (!is_lit(shafts, lights.count(), p, l)) continue;
+            if (!is_lit(beams, lights.count(), p, l)) continue;
             const auto& d = lights.lights()[l].xyzw;
             const double largest = std::max({std::abs(d[0]), std::abs(d[1]), std::abs(d[2])});
             double unit[3] = {d[0] / largest, d[1] / largest, d[2] / largest};
@@ -331,7 +331,7 @@ TEST(ManyLights, CosinesFollowTheirStatedArithmetic) {
             volatile float term = std::clamp(float(cosine), 0.0f, 1.0f) * lights.weights()[l];
             whole += std::int64_t(std::nearbyint(std::ldexp(double(term), -lights.exponent())));
         }
-        ASSERT_EQ(shafts.sums[p], std::ldexp(double(whole), lights.exponent())) << "point " << p;
+        ASSERT_EQ(beams.sums[p], std::ldexp(double(whole), lights.exponent())) << "point " << p;
     }
 }
 
@@ -394,7 +394,7 @@ TEST(ManyLights, AutoTakesHorizonsForTheVerticesOfATerrain) {
         std::ranges::any_of(either.statistics.stages, [](const auto& stage) { return stage.name == "horizons"; }));
 }
 
-// On a CPU `auto` measures shafts and packets.
+// On a CPU `auto` measures beams and packets.
 TEST(ManyLights, AWayOnceMeasuredServesTheNextRunsOfTheSameLights) {
     const gnomon::Device device = device_with();
     if (!gnomon::session_of(device).is_cpu()) GTEST_SKIP() << "a GPU measures larger runs";
@@ -411,7 +411,7 @@ TEST(ManyLights, AWayOnceMeasuredServesTheNextRunsOfTheSameLights) {
         EXPECT_EQ(answers.bits == bits, &of == &lights);
         std::size_t ways = 0;
         for (const auto& stage : answers.statistics.stages)
-            ways += stage.name.starts_with("shaft_trace") || stage.name.starts_with("ray_packets");
+            ways += stage.name.starts_with("beam_trace") || stage.name.starts_with("ray_packets");
         return ways == 2;
     };
     EXPECT_TRUE(measures(lights));  // without kept clusters each run makes the tree anew
@@ -438,7 +438,7 @@ TEST(ManyLights, PicturesAreThoseOfOneLight) {
         for (const auto& [width, height] : {std::pair{20u, 12u}, {18u, 12u}}) {
             const gnomon::View view = gnomon::look(device, triangles, camera, width, height);
             std::vector<decltype(gnomon::LightsOnHost::bits)> bits;
-            for (const char* way : {"one-by-one", "shafts", "point-shafts", "rays"}) {
+            for (const char* way : {"one-by-one", "beams", "point-beams", "rays"}) {
                 const auto technique = gnomon::make_technique("frustum-traced", device);
                 technique->set("many-lights", way);
                 bits.push_back(
@@ -474,24 +474,24 @@ TEST(ManyLights, MeansAreSharesOfTheLights) {
 TEST(ManyLights, EmptyAndLargeTables) {
     const gnomon::Device device = device_with();
     FacedScene scene = boxes_on_floor(40, 2);
-    const auto none = run(device, scene, Lights(std::vector<gnomon::Light>{}), "shafts");
+    const auto none = run(device, scene, Lights(std::vector<gnomon::Light>{}), "beams");
     EXPECT_EQ(none.counts, std::vector<std::uint32_t>(40, 0));
     EXPECT_EQ(none.first_lit, std::vector<std::uint32_t>(40, gnomon::no_light));
     const LightScene without_points{"no points", scene.triangles, {}, {}};
-    EXPECT_TRUE(run(device, without_points, lights_all_around(3, 1), "shafts").counts.empty());
+    EXPECT_TRUE(run(device, without_points, lights_all_around(3, 1), "beams").counts.empty());
     const LightScene without_triangles{"no triangles", {}, {0, 0, 0, 1, 1, 1}, {}};
-    EXPECT_EQ(run(device, without_triangles, lights_all_around(33, 1), "shafts").counts,
+    EXPECT_EQ(run(device, without_triangles, lights_all_around(33, 1), "beams").counts,
               std::vector<std::uint32_t>(2, 33));
     scene.triangles[4] = std::numeric_limits<float>::quiet_NaN();
     scene.points[0] = std::numeric_limits<float>::infinity();
     const Lights many = lights_all_around(100'000, 1);
-    const auto shafts = run(device, scene, many, "shafts");
-    EXPECT_EQ(shafts.counts[0], many.count());  // absent points are lit
+    const auto beams = run(device, scene, many, "beams");
+    EXPECT_EQ(beams.counts[0], many.count());  // absent points are lit
     LightScene one = scene;
     for (const std::size_t l : {0u, 31u, 32u, 50'000u, 99'999u}) {
         one.light = many.lights()[l].xyzw;
         const auto truth = truth_of(one);
-        for (std::size_t p = 0; p < truth.size(); ++p) EXPECT_EQ(is_lit(shafts, many.count(), p, l), truth[p] != 0);
+        for (std::size_t p = 0; p < truth.size(); ++p) EXPECT_EQ(is_lit(beams, many.count(), p, l), truth[p] != 0);
     }
 }
 
@@ -519,8 +519,8 @@ TEST(ManyLights, RefusesWhatHasNoMeaning) {
     constexpr const char *one_kind = "lights that are all directional", *directional = "directional lights",
                          *in_range = "coordinates up to 2^19", *field = "a height field";
     const std::tuple<Lights, const char*, const char*> refused[] = {
-        {Lights({sun, lamp}), "shafts", one_kind}, {Lights({sun, loses_bits}), "rays", one_kind},
-        {Lights({lamp}), "horizons", directional}, {Lights({far_lamp}), "point-shafts", in_range},
+        {Lights({sun, lamp}), "beams", one_kind},  {Lights({sun, loses_bits}), "rays", one_kind},
+        {Lights({lamp}), "horizons", directional}, {Lights({far_lamp}), "point-beams", in_range},
         {Lights({sun}), "horizons", field},
     };
     for (const auto& [lights, way, what] : refused) {
@@ -531,7 +531,7 @@ TEST(ManyLights, RefusesWhatHasNoMeaning) {
     }
     gnomon::RunOptions options;
     options.progress = [](double) { return false; };
-    EXPECT_THROW(run(device, scene, Lights({sun}), "shafts", options), gnomon::Cancelled);
+    EXPECT_THROW(run(device, scene, Lights({sun}), "beams", options), gnomon::Cancelled);
     EXPECT_THROW(run(device, scene, Lights({sun}), "one-by-one", options), gnomon::Cancelled);
     double done = 0;
     options.progress = [&](double part) {
@@ -589,7 +589,7 @@ TEST(ManyLights, PointLightsGiveTheBitsOfOneLight) {
             const Lights lights =
                 side == 1 ? gnomon::area_light({5, 14, 5}, {2, 0, 0}, {0, 0.5f, 2}, 40) : spread[side / 2 + side % 2];
             const auto one = run(device, scene, lights, "one-by-one", options);
-            for (const char* way : {"shafts", "point-shafts", "rays"}) {
+            for (const char* way : {"beams", "point-beams", "rays"}) {
                 SCOPED_TRACE("gpu " + std::to_string(gpu_kernels) + ", side " + std::to_string(side) + ", " + way);
                 const auto got = run(device, scene, lights, way, options, side % 2 == 0 ? "32" : "7");
                 EXPECT_EQ(got.bits, one.bits);
@@ -630,7 +630,7 @@ TEST(ManyLights, LampsAndPointsBesideAPlane) {
     const auto truth = truth_of_each(scene, lights);
     for (const bool gpu_kernels : {false, true}) {
         const gnomon::Device device({}, {.gpu_kernels = gpu_kernels});
-        for (const char* way : {"one-by-one", "shafts", "point-shafts", "rays"})
+        for (const char* way : {"one-by-one", "beams", "point-beams", "rays"})
             expect_outputs(run(device, scene, lights, way), truth, lights, way);
     }
 }
@@ -649,7 +649,7 @@ TEST(ManyLights, NoFiniteTriangleBlocksNothing) {
     for (const bool gpu_kernels : {false, true}) {
         const gnomon::Device device({}, {.gpu_kernels = gpu_kernels});
         for (const Lights& lights : {Lights(lamps), Lights(suns)})
-            for (const char* way : {"shafts", "point-shafts", "rays"})
+            for (const char* way : {"beams", "point-beams", "rays"})
                 expect_outputs(run(device, scene, lights, way), truth_of_each(scene, lights), lights, way);
     }
 }
@@ -660,7 +660,7 @@ TEST(ManyLights, LargeNormalsDoNotDecideTheSideOfALamp) {
     const LightScene scene{"far", {50, 50, 50, 51, 50, 50, 50, 51, 50}, {0, 0, 0}, {}};
     const gnomon::Points normals = gnomon::Points::upload(device, Floats{0, -1e38f, 1e38f});
     const Lights lamp({gnomon::Light::point({0, 4.0001f, 4})});
-    for (const char* way : {"one-by-one", "shafts", "point-shafts", "rays"})
+    for (const char* way : {"one-by-one", "beams", "point-beams", "rays"})
         EXPECT_EQ(run(device, scene, lamp, way, {.facing = gnomon::Facing::normals(normals.positions())}).counts[0], 0u)
             << way;
 }
@@ -675,7 +675,7 @@ TEST(ManyLights, ATriangleBesideALampAmongItsPoints) {
     const Lights lamp({gnomon::Light::point({0, 0, 0})});
     const auto truth = truth_of_each(scene, lamp);
     EXPECT_EQ(truth[0][0], 0);
-    for (const char* way : {"one-by-one", "shafts", "point-shafts", "rays"})
+    for (const char* way : {"one-by-one", "beams", "point-beams", "rays"})
         expect_outputs(run(device, scene, lamp, way), truth, lamp, way);
 }
 
@@ -739,7 +739,7 @@ TEST(ManyLights, EveryFacingOfOneLightIsThatOfATable) {
         for (std::size_t l = 0; l < lights.count(); ++l) each.emplace_back(device, points.count());
         technique->run_each_light(triangles, points, lights.lights(), each, {.facing = facing});
         for (std::size_t l = 0; l < lights.count(); ++l) ASSERT_EQ(each[l].read(), truth[l]) << "light " << l;
-        for (const char* way : {"one-by-one", "shafts", "point-shafts", "rays", "auto"}) {
+        for (const char* way : {"one-by-one", "beams", "point-beams", "rays", "auto"}) {
             technique->set("many-lights", way);
             const auto answers =
                 gnomon::run_light_table_to_host(*technique, triangles, points, lights, EVERYTHING, {.facing = facing});

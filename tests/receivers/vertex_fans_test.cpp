@@ -8,7 +8,7 @@
 #include <limits>
 #include <random>
 
-#include "receivers/given_sides.hpp"
+#include "receivers/backfacing.hpp"
 #include "support/device.hpp"
 
 namespace {
@@ -178,7 +178,7 @@ protected:
         session_of(device).write(visibility.buffer(), values.data(), values.size() * sizeof(float));
         const auto triangles = gnomon::Triangles::upload(device, vertices);
         const auto points = gnomon::Points::upload(device, std::vector<float>(3 * fans.count()));
-        const auto sides = given_sides(device, triangles, points, gnomon::Facing::fans(fans, up));
+        const auto sides = facing_inputs(device, triangles, points, gnomon::Facing::fans(fans, up));
         darken_backfacing(device, triangles, points, sides, light, visibility);
         std::vector<float> after = visibility.read();
         EXPECT_EQ(after.back(), KEPT) << "the pass wrote behind its points";
@@ -315,7 +315,7 @@ TEST(VertexFansSigns, TheSumOfTwoDeterminantsIsSignedExactly) {
         const gnomon::Device device({}, {.hide_fp64 = hide_fp64});
         gnomon::cl::Session& session = session_of(device);
         session.add_source("vertex_fans_test.cl", R"(
-#include "receivers/given_sides.cl"
+#include "receivers/backfacing.cl"
 static Arrow arrow_at(__global const float* v) { return (Arrow){(float3)(v[0], v[1], v[2]), (float3)(v[3], v[4], v[5])}; }
 __kernel void sign_sums(uint count, __global const float* vectors, __global int* signs) {
     GN_FOR_EACH(i, count) {

@@ -3,7 +3,7 @@
 #pragma once
 
 #include <gnomon.hpp>
-#include "api/vectors.hpp"
+#include "query/vectors.hpp"
 #include "scene_makers.hpp"
 
 namespace support {

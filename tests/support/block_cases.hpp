@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 // Blocks of points, each with a bundle of lights and a leaf's triangles: bundles from an ulp wide to wide, blocks from
 // one position to a scene's size, point lights near and far, triangles that rays meet exactly at corners and edges,
-// that are edge-on, slivers, or have no area, at ordinary coordinates and near the largest that shafts take.
+// that are edge-on, slivers, or have no area, at ordinary coordinates and near the largest that beams take.
 #pragma once
 
+#include "bvh/wide_bvh.hpp"
 #include "device.hpp"
-#include "kernels/shafts/shaft.h"
+#include "kernels/beams/beam.h"
 #include "lights/light_bundles.hpp"
 #include "reference/stages/grid_map.hpp"
-#include "shafts/shaft_tree.hpp"
 #include "tie_points.hpp"
 
 namespace support {
@@ -39,8 +39,8 @@ struct BlockCase {
     }
 };
 
-/// The bound of rounding errors that shafts are given for a largest coordinate (LightMasks::params_of()).
-inline float shaft_rounding(float largest, bool are_positions) {
+/// The bound of rounding errors that beams are given for a largest coordinate (LightMasks::params_of()).
+inline float beam_rounding(float largest, bool are_positions) {
     return (are_positions ? 8e-6f : 4e-6f) * largest + 1e-30f;
 }
 

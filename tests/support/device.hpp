@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "api/inputs.hpp"
+#include "query/inputs.hpp"
 
 namespace support {
 

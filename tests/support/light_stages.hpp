@@ -13,7 +13,7 @@
 #include "receivers/facing.hpp"
 #include "receivers/receiver_depth_pyramid.hpp"
 #include "reference/predicates.hpp"
-#include "techniques/izb.hpp"
+#include "rivals/izb.hpp"
 
 namespace support {
 

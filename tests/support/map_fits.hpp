@@ -4,10 +4,10 @@
 
 #include <cmath>
 
-#include "api/vectors.hpp"
 #include "device.hpp"
 #include "light_scene.hpp"
-#include "techniques/shadow_map/map_projection.hpp"
+#include "query/vectors.hpp"
+#include "rivals/shadow_map/map_projection.hpp"
 
 namespace support {
 

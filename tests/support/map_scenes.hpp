@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 // Views of shadow maps made by hand, and their truth in double: the ray of a texel's centre and its first intersection.
-// Shares only the contract with the kernels (kernels/techniques/shadow_map/map_view.h).
+// Shares only the contract with the kernels (kernels/rivals/shadow_map/map_view.h).
 #pragma once
 
 #include <functional>
 #include <limits>
 
 #include "device.hpp"
+#include "rivals/shadow_map/map_projection.hpp"
 #include "scene_makers.hpp"
-#include "techniques/shadow_map/map_projection.hpp"
 
 namespace support {
 

@@ -316,14 +316,14 @@ TEST_F(Bench, ManyLightsCountTheSameDecisions) {
                   path("faces.json") + " --csv " + path("faces.csv")),
               0)
         << errors();
-    ASSERT_EQ(run("town:10000 --many-lights suns:40 --points 3000 --runs 1 --set many-lights=shafts --json " +
-                  path("shafts.json")),
+    ASSERT_EQ(run("town:10000 --many-lights suns:40 --points 3000 --runs 1 --set many-lights=beams --json " +
+                  path("beams.json")),
               0)
         << errors();
-    const Json faces = json("faces.json"), shafts = json("shafts.json");
+    const Json faces = json("faces.json"), beams = json("beams.json");
     ASSERT_EQ(faces["rows"].size(), embree_version() == "not built in" ? 2u : 3u);
     const Json& ours = faces["rows"][0];
-    EXPECT_EQ(ours["mask_hash"], shafts["rows"][0]["mask_hash"]);
+    EXPECT_EQ(ours["mask_hash"], beams["rows"][0]["mask_hash"]);
     EXPECT_EQ(ours["mask_hash"], faces["rows"][1]["mask_hash"]);
     const Json& pairs = ours["pairs"];
     EXPECT_EQ(pairs["points"], 3000);
@@ -359,8 +359,8 @@ TEST_F(Bench, ManyLightsTakeThePixelsOfAViewByEveryWay) {
         EXPECT_GT(row["pairs"]["lit"].get<double>(), 0.2 * row["pairs"]["facing"].get<double>());
         if (row["technique"] == "frustum-traced") ways.insert(row["settings"]);
     }
-    EXPECT_EQ(ways, (std::set<std::string>{"many-lights=auto", "many-lights=one-by-one", "many-lights=point-shafts",
-                                           "many-lights=rays", "many-lights=shafts"}));
+    EXPECT_EQ(ways, (std::set<std::string>{"many-lights=auto", "many-lights=one-by-one", "many-lights=point-beams",
+                                           "many-lights=rays", "many-lights=beams"}));
 }
 
 TEST_F(Bench, ManyLightsTakeLamps) {

@@ -262,7 +262,7 @@ void EmbreeContestant::trace_samples(FrameTimes& times, std::size_t every) {
     times.shadow = {both.wall_ms * (1 - share), both.processor_ms * (1 - share)};
 }
 
-// gnomon's own shading (kernels/camera/shade.cl), with the same ambient light and sky.
+// gnomon's own shading (kernels/shading/shade.cl), with the same ambient light and sky.
 EmbreeContestant::Surface EmbreeContestant::surface_of(std::uint32_t triangle) const {
     const scene::Scene& scene = shared_->place.scene.scene;
     const float* v = &scene.triangles[9 * std::size_t(triangle)];

@@ -208,6 +208,7 @@ int run(const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
+    gnomon::add_rivals();
     Options options;
     CLI::App app{"Measures run time against error; each time with the hash of its mask."};
     app.add_option("scenes", options.scenes, "glTF files, sundial, or RECIPE:TRIANGLES of make_scenes (city:1000000)");

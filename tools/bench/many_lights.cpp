@@ -8,9 +8,9 @@
 #include <map>
 #include <sstream>
 
-#include "api/vectors.hpp"
 #include "cl/embedded_files.hpp"
 #include "make_scenes/arithmetic.hpp"
+#include "query/vectors.hpp"
 
 namespace gnomon {
 std::span<const EmbeddedFile> embedded_tables();

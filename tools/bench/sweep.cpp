@@ -94,7 +94,7 @@ std::vector<Configuration> swept_configurations(std::uint32_t largest_map) {
 
 std::vector<Configuration> many_lights_configurations(std::size_t lights, bool is_height_field) {
     std::vector<Configuration> configurations;
-    for (const char* way : {"auto", "shafts", "point-shafts", "rays", "horizons", "one-by-one"}) {
+    for (const char* way : {"auto", "beams", "point-beams", "rays", "horizons", "one-by-one"}) {
         if (std::string(way) == "one-by-one" && lights > 1024) continue;
         if (std::string(way) == "horizons" && !is_height_field) continue;
         configurations.push_back({truth_configuration().technique, {{"many-lights", way}}});

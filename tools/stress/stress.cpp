@@ -61,6 +61,7 @@ int run(const Options& options, const std::string& command) {
 }  // namespace
 
 int main(int argc, char** argv) {
+    gnomon::add_rivals();
     Options options;
     CLI::App app{"Asks gnomon what is known to break shadows, and an exact oracle whether it was right."};
     app.add_option("--points", options.run.points, "points of an ordinary case")

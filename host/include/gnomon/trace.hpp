@@ -226,7 +226,8 @@ struct TechniqueDescription {
     std::vector<SettingDescription> settings;
     std::vector<DiagnosticDescription> diagnostics{};
 };
-/// Every technique of this build, in the order of `gnomon techniques`.
+/// Every technique that this program has, in the order of `gnomon techniques`: frustum-traced, and after add_rivals()
+/// the classic ones.
 std::vector<TechniqueDescription> techniques();
 /// Makes the technique of this name. Throws InvalidArgument with the list of names if there is none.
 std::unique_ptr<Technique> make_technique(std::string_view name, const Device& device);

@@ -252,7 +252,7 @@ class Decider:
     ) -> None:
         """Clears `lit` of these suns and receivers (None: of all) where a caster is in the way. All suns are strictly
         above the horizon, so for a receiver that is not lifted the normal straight up is no restriction; it makes the
-        shafts tighter."""
+        beams tighter."""
         here = casters.here if rows is None else casters.here[rows]
         if casters.scene is None or not (len(suns) and len(here)):
             return
@@ -266,7 +266,7 @@ class Decider:
             here[lifted] = casters.lattice.lift(world, np.ascontiguousarray(normals[lifted]))
         answer = casters.scene.lit_by(
             here, Lights.directions(-towards[suns]), side=Side.normals(normals), bits=True,
-            settings={"many-lights": "shafts"},
+            settings={"many-lights": "beams"},
         )  # fmt: skip
         assert answer.bits is not None
         found = planes.transposed(answer.bits)

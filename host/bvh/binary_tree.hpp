@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+// Stage binary_tree: a binary tree over the finite triangles of a scene (kernels/bvh/binary_tree.h).
+#pragma once
+
+#include "kernels/bvh/binary_tree.h"
+#include "lists/morton.hpp"
+#include "query/inputs.hpp"
+
+namespace gnomon {
+
+/// The finite triangles of a scene along a Morton curve.
+class TriangleCurve {
+public:
+    TriangleCurve(cl::Session& session, const TriangleInputs& triangles);
+
+    std::uint32_t count() const { return count_; }
+    /// The number of each triangle along the curve.
+    const cl::Buffer& numbers() const { return numbers_; }
+    /// The largest magnitude of a coordinate; 0 if there is no finite triangle.
+    float largest_coordinate() const { return largest_coordinate_; }
+
+private:
+    cl::Buffer numbers_;
+    std::uint32_t count_ = 0;
+    float largest_coordinate_ = 0;
+};
+
+class BinaryTree {
+public:
+    /// Builds the tree over at least one triangle. `width`: the number of ranks of a unit. `is_balanced`: neighbours
+    /// along the curve are joined whatever their boxes are, which fills the units.
+    BinaryTree(cl::Session& session, const TriangleInputs& triangles, const TriangleCurve& curve, std::uint32_t width,
+               bool is_balanced);
+
+    /// A node, or TREE_TRIANGLE.
+    std::uint32_t root() const { return root_; }
+    const cl::Buffer& nodes() const { return nodes_; }
+    const cl::Buffer& ranks() const { return ranks_; }
+
+private:
+    cl::Buffer nodes_, ranks_;
+    std::uint32_t root_ = 0;
+};
+
+}  // namespace gnomon

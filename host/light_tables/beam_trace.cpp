@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+#include "light_tables/beam_trace.hpp"
+
+namespace gnomon {
+namespace {
+
+const char* kernel_of(BeamShape shape) { return shape == BeamShape::point ? "point_beam_trace" : "beam_trace"; }
+
+const char* stage_of(BeamShape shape) { return shape == BeamShape::packet ? "ray_packets" : kernel_of(shape); }
+
+}  // namespace
+
+BeamPasses::BeamPasses(const BvhRun& run, const LightBundles& bundles, BeamShape shape, Statistics& statistics,
+                       const BuiltHeightField* field)
+    : run_(run),
+      session_(session_of(run.device)),
+      shape_(shape),
+      statistics_(statistics),
+      masks_(run, bundles, statistics, field != nullptr) {
+    if (field != nullptr) horizons_.emplace(run, run.sorted, *field, bundles, statistics);
+    // A part's pairs take some tenths of a second. At the end of each part a GPU waits for its slowest work-groups: in
+    // Sponza, parts of 2^26 pairs made 1.7 G pairs/s in place of 4.2.
+    const std::size_t pairs = session_.is_cpu() ? std::size_t(1) << 24 : std::size_t(1) << 30;
+    masks_.reserve(std::min(pairs / bundles.light_count(), most_mask_bytes(session_) / masks_.bytes_per_point()));
+}
+
+void BeamPasses::run() {
+    const std::size_t count = run_.points.count();
+    LightSums sums(run_, masks_.slots(), &run_.sorted);
+    for (PointPart part{0, 0}; part.first < count; part.first += part.count) {
+        part.count = std::min(masks_.most_points(), count - part.first);
+        decide(part);
+        masks_.add_to(sums, part);
+        report_progress(run_.options, double(part.first + part.count) / double(count));
+    }
+    sums.finish();
+    masks_.describe(statistics_.counts);
+}
+
+double BeamPasses::timed_ms() {
+    const std::size_t count = run_.points.count();
+    const double builds_ms = session_.build_ms();
+    session_.finish();
+    const auto start = cl::Clock::now();
+    for (PointPart part{0, 0}; part.first < count; part.first += part.count) {
+        part.count = std::min(masks_.most_points(), count - part.first);
+        decide(part);
+    }
+    session_.finish();
+    return cl::ms_since(start) - (session_.build_ms() - builds_ms);
+}
+
+// Makes the masks of a part of the points.
+void BeamPasses::decide(const PointPart& part) {
+    masks_.face(part);
+    const PointsLayout points = run_.sorted.part(part.first, part.count);
+    if (horizons_) horizons_->decide(points, masks_.for_horizons());
+    masks_.trace(part, stage_of(shape_), [&] { launch(part); });
+    if (horizons_) horizons_->join(points, masks_.for_horizons());
+}
+
+void BeamPasses::launch(const BeamParams& params, std::size_t tasks, const char* kernel) {
+    const TriangleInputs triangles = triangle_inputs(run_.triangles);
+    const SortedPoints& points = run_.sorted;
+    const std::string file = "light_tables/" + std::string(kernel) + ".cl";
+    session_.launch(triangles.kernel_of_lights(file.c_str(), kernel, masks_.are_positions()),
+                    bvh_range(session_, tasks), params, masks_.bundles(), run_.tree.nodes(), run_.tree.leaves(),
+                    run_.tree.ids(), points.positions(), points.receivers(),
+                    horizons_ ? masks_.for_horizons().begins : points.surface_normals(), masks_.masks(), masks_.queue(),
+                    masks_.counters(), cl::LocalBytes{BEAM_LOCAL_WORDS * sizeof(cl_uint)});
+}
+
+// On a GPU a second launch traces the tasks that blocks gave up.
+void BeamPasses::launch(const PointPart& part) {
+    const bool is_cpu = session_.is_cpu();
+    const std::size_t tasks = masks_.tasks_of(part.count), groups_of_points = is_cpu ? 1 : POINT_GROUPS_ON_GPU;
+    BeamParams params = masks_.params_of(part);
+    params.are_packets = shape_ == BeamShape::packet ? 1u : 0u;
+    launch(params, shape_ == BeamShape::point ? tasks * groups_of_points : tasks, kernel_of(shape_));
+    if (is_cpu || shape_ != BeamShape::block) return;
+    params.listed_tasks = session_.read_value<BeamCounters>(masks_.counters()).left_to_points;
+    if (params.listed_tasks != 0) launch(params, params.listed_tasks * groups_of_points, kernel_of(BeamShape::point));
+}
+
+}  // namespace gnomon

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: MIT
+#include "light_tables/light_masks.hpp"
+
+#include "kernels/lights/light_sides.h"
+
+namespace gnomon {
+namespace {
+
+constexpr std::size_t first_queue = std::size_t(1) << 16;
+
+}  // namespace
+
+std::size_t most_mask_bytes(const cl::Session& session) {
+    return session.is_cpu() ? std::size_t(1) << 25 : std::size_t(1) << 28;
+}
+
+LightMasks::LightMasks(const BvhRun& run, const LightBundles& bundles, Statistics& statistics, bool are_sectors)
+    : run_(run),
+      session_(session_of(run.device)),
+      statistics_(statistics),
+      slots_(bundles.lights),
+      bundle_count_(static_cast<cl_uint>(bundles.bundles.size())),
+      are_sectors_(are_sectors),
+      are_positions_(bundles.are_positions),
+      bundles_(session_, bundle_count_ * sizeof(LightBundle)) {
+    session_.write(bundles_.get(), bundles.bundles.data(), bundle_count_ * sizeof(LightBundle));
+    queue_.reserve(session_, first_queue * sizeof(BeamPairs));
+}
+
+void LightMasks::reserve(std::size_t points) {
+    constexpr std::size_t width = 64;
+    const auto whole = [=](std::size_t count) { return std::max((count + width - 1) / width * width, width); };
+    points = std::min(whole(points), whole(run_.points.count()));
+    for (;; points = whole(points / 2)) {
+        try {
+            const std::size_t listed = session_.is_cpu() ? 0 : tasks_of(points);
+            counters_.reserve(session_, sizeof(BeamCounters) + listed * sizeof(cl_uint));
+            // The masks' buffer is enlarged last, since buffers never shrink.
+            if (are_sectors_) {
+                lit_.reserve(session_, points * bytes_per_point());
+                begins_.reserve(session_, points * bytes_per_point());
+            }
+            masks_.reserve(session_, points * bytes_per_point());
+            most_points_ = points;
+            return;
+        } catch (const OutOfDeviceMemory&) {
+            lit_ = {}, begins_ = {};
+            if (points <= width) throw;
+        }
+    }
+}
+
+cl_uint LightMasks::side() const {
+    if (run_.options.normals != nullptr) return SIDE_NORMALS;
+    if (run_.points.receivers() == nullptr) return SIDE_NONE;
+    if (run_.options.front) return SIDE_WINDING;
+    return Internals::eye(run_.points) ? SIDE_EYE : SIDE_NONE;
+}
+
+void LightMasks::face(const PointPart& part) {
+    const cl::StageTimer timer(session_, statistics_, "light_sides");
+    const TriangleInputs triangles = triangle_inputs(run_.triangles);
+    const LightSidesParams params{.triangles = triangles,
+                                  .points = run_.sorted.part(part.first, part.count),
+                                  .bundle_count = bundle_count_,
+                                  .mask_stride = static_cast<cl_uint>(most_points_),
+                                  .side = side(),
+                                  .padding = 0};
+    session_.launch({"lights/light_sides.cl", "light_sides", {.point_lights = are_positions_}},
+                    session_.blocks(part.count), params, bundles_, triangles.vertices, run_.sorted.positions(),
+                    run_.sorted.receivers(), run_.sorted.normals(), masks_);
+}
+
+void LightMasks::add_to(LightSums& sums, const PointPart& part) {
+    cl::StageTimer timer(session_, statistics_, "light_sums");
+    sums.add(masks_, most_points_, part.first, part.count, 0, bundle_count_);
+    session_.finish();
+}
+
+BeamParams LightMasks::params_of(const PointPart& part) const {
+    return {.triangles = triangle_inputs(run_.triangles),
+            .points = run_.sorted.part(part.first, part.count),
+            .bundle_count = bundle_count_,
+            .mask_stride = static_cast<cl_uint>(most_points_),
+            .queue_capacity = capacity(),
+            .listed_tasks = 0,
+            // n . X rounds five times, for a triangle and for a point; the sum of sizes is at most 3 times the largest.
+            // The farthest point light has three such products more.
+            .rounding = (are_positions_ ? 8e-6f : 4e-6f) * run_.largest_coordinate() + 1e-30f,
+            .are_sectors = are_sectors_ ? 1u : 0u,
+            .are_packets = 0,
+            .padding = 0};
+}
+
+void LightMasks::decide_queue(const PointPart& part) {
+    const TriangleInputs triangles = triangle_inputs(run_.triangles);
+    session_.launch(triangles.kernel_of_lights("light_tables/beam_trace.cl", "beam_exact", are_positions_),
+                    cl::Range::items(capacity()), params_of(part), bundles_, triangles.vertices,
+                    run_.sorted.positions(), queue_, masks_, counters_);
+    const auto counted = session_.read_value<BeamCounters>(counters_);
+    queued_ += counted.queued;
+    for (int level = 0; level < 3; ++level) by_level_[level] += counted.by_level[level];
+}
+
+void LightMasks::describe(decltype(Statistics::counts)& counts) const {
+    counts.insert(counts.end(), {{"points", run_.points.count()},
+                                 {"lights", run_.lights.count()},
+                                 {"bundles", bundle_count_},
+                                 {"queued_pairs", queued_},
+                                 {"decided_by_float", by_level_[0]},
+                                 {"decided_by_double", by_level_[1]},
+                                 {"decided_by_integers", by_level_[2]}});
+}
+
+}  // namespace gnomon

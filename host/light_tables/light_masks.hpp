@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: MIT
+// The masks of the lights that reach a part of the sorted points: which of them each point faces, and the exact
+// predicate for what a trace leaves undecided.
+#pragma once
+
+#include <algorithm>
+
+#include "bvh/wide_bvh.hpp"
+#include "horizons/horizons.hpp"
+#include "kernels/beams/beam.h"
+#include "lights/many_lights.hpp"
+#include "query/statistics.hpp"
+
+namespace gnomon {
+
+/// A run that reads the BVH over the triangles.
+struct BvhRun : LightsRun {
+    const SortedPoints& sorted;
+    const WideBvh& tree;
+
+    /// The largest magnitude of a coordinate of triangles, points and point lights.
+    float largest_coordinate() const {
+        return std::max({tree.largest_coordinate(), sorted.largest_coordinate(), largest_position(lights.lights())});
+    }
+};
+
+/// A part of the sorted points.
+struct PointPart {
+    std::size_t first, count;
+};
+
+/// The largest number of bytes that a part's masks may take.
+std::size_t most_mask_bytes(const cl::Session& session);
+
+class LightMasks {
+public:
+    /// `are_sectors`: makes room for the results of horizons too (HorizonMasks).
+    LightMasks(const BvhRun& run, const LightBundles& bundles, Statistics& statistics, bool are_sectors);
+
+    /// Makes room for a part of `points` points, or of fewer if there is no memory for them.
+    void reserve(std::size_t points);
+    std::size_t most_points() const { return most_points_; }
+    std::size_t bytes_per_point() const { return bundle_count_ * sizeof(cl_uint); }
+    /// The number of tasks, blocks x bundles, of a part of `points` points.
+    std::size_t tasks_of(std::size_t points) const {
+        const std::size_t width = bvh_width(session_);
+        return (points + width - 1) / width * bundle_count_;
+    }
+
+    /// Writes the masks of the lights that the points face.
+    void face(const PointPart& part);
+    /// Launches a trace, which takes params_of(part), then decides the queued pairs. A trace whose queue was too short
+    /// is launched again: its masks only lose lights.
+    template <typename Trace>
+    void trace(const PointPart& part, const char* stage, Trace&& launch) {
+        cl::StageTimer timer(session_, statistics_, stage);
+        BeamCounters counted;
+        for (;;) {
+            session_.fill(counters_, 0, sizeof(BeamCounters));
+            launch();
+            counted = session_.read_value<BeamCounters>(counters_);
+            if (counted.queued <= capacity()) break;
+            queue_.reserve(session_, std::size_t(counted.queued) * 5 / 4 * sizeof(BeamPairs));
+        }
+        timer.next("beam_exact");
+        if (counted.queued != 0) decide_queue(part);
+    }
+    /// Adds the masks of all bundles to the sums.
+    void add_to(LightSums& sums, const PointPart& part);
+
+    BeamParams params_of(const PointPart& part) const;
+    const cl::Buffer& bundles() const { return bundles_; }
+    const cl::Buffer& masks() const { return masks_; }
+    /// The buffers that horizons read and write; only where bundles are sectors.
+    HorizonMasks for_horizons() const {
+        return {masks_, lit_, begins_, bundle_count_, static_cast<cl_uint>(most_points_)};
+    }
+    const cl::Buffer& queue() const { return queue_; }
+    const cl::Buffer& counters() const { return counters_; }
+    std::span<const std::uint32_t> slots() const { return slots_; }
+    cl_uint bundle_count() const { return bundle_count_; }
+    bool are_positions() const { return are_positions_; }
+    /// Adds the counts of the run so far.
+    void describe(decltype(Statistics::counts)& counts) const;
+
+private:
+    cl_uint side() const;
+    cl_uint capacity() const { return static_cast<cl_uint>(queue_.bytes() / sizeof(BeamPairs)); }
+    void decide_queue(const PointPart& part);
+
+    const BvhRun& run_;
+    cl::Session& session_;
+    Statistics& statistics_;
+    std::vector<std::uint32_t> slots_;
+    cl_uint bundle_count_;
+    bool are_sectors_, are_positions_;
+    cl::Buffer bundles_, counters_, queue_, masks_, lit_, begins_;
+    std::size_t most_points_ = 0;
+    std::uint64_t queued_ = 0, by_level_[3] = {};
+};
+
+}  // namespace gnomon

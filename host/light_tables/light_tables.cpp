@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: MIT
+#include "light_tables/light_tables.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gnomon {
+namespace {
+
+// The sentence that says why the BVH's methods cannot decide this run; null if they can.
+const char* missing_for_tree(const BvhRun& run) {
+    if (!(run.largest_coordinate() <= BVH_MAX_COORDINATE)) return "coordinates up to 2^19";
+    if (can_be_bundled(run.lights.lights())) return nullptr;
+    return "lights that are all directional, with directions that lose no bits when they are scaled, or all point "
+           "lights";
+}
+
+[[noreturn]] void throw_missing(LightsMethod method, const std::string& what) {
+    throw InvalidArgument("many-lights=" + std::string(lights_method_names[std::size_t(method)]) + " needs " + what +
+                          ": use many-lights=auto");
+}
+
+LightsTraits traits_of(const TableRun& table, bool can_be_bundled) {
+    const BvhRun& run = table.run;
+    return {.is_cpu = session_of(run.device).is_cpu(),
+            .points = run.points.count(),
+            .lights = run.lights.count(),
+            .triangles = run.triangles.count(),
+            .is_picture = run.points.camera().has_value(),
+            .keeps_clusters = Internals::clusters(table.given) != nullptr,
+            .can_be_bundled = can_be_bundled,
+            .are_point_lights = !run.lights.lights().front().is_directional()};
+}
+
+double widest_bundle(const TableRun& table) {
+    double widest = 0;
+    for (const LightBundle& bundle : table.bundles.coned().bundles) {
+        const LightCone& cone = bundle.cones[0];
+        double square = 0;
+        for (int c = 0; c < 3; ++c)
+            square += double(cone.across[c]) * cone.across[c] + double(cone.along[c]) * cone.along[c];
+        widest = std::max(widest, std::sqrt(square));
+    }
+    return table.bundles.coned().are_positions ? widest / table.run.largest_coordinate() : widest;
+}
+
+MethodCache::Key key_of(const LightsRun& run) {
+    MethodCache::Key key{{}, run.points.count(), run.points.camera().has_value()};
+    for (const Light& light : run.lights.lights()) key.lights.push_back(light.xyzw);
+    return key;
+}
+
+}  // namespace
+
+Statistics LightTables::run(Technique& one_light, const LightsRun& given, LightsMethod method,
+                            std::uint32_t bundle_lights) {
+    const bool is_automatic = method == LightsMethod::automatic;
+    std::uint64_t kept = kept_bytes_;  // runs of single lights within this run count their own kept bytes
+    MeasuredRun measured(session_, kept);
+    const Triangles clustered = is_automatic ? with_clusters(device_, given.triangles) : given.triangles;
+    const LightsRun run{device_, clustered, given.points, given.lights, given.outputs, given.options};
+    require_lights_run(run);
+    cl::StageTimer timer(session_, measured.stages, "point_order");
+    const SortedPoints& sorted = sort_points(run);
+    timer.next("wide_bvh");
+    BundleTables bundles(run.lights.lights(), bundle_lights);
+    TableRun table{
+        {run, sorted, kept_of(tree_, given.triangles)}, given.triangles, bundles, one_light, measured.stages};
+    timer.next(nullptr);
+    const char* missing = missing_for_tree(table.run);
+    if (missing != nullptr && !is_automatic) throw_missing(method, missing);
+    method = is_automatic ? automatic_method(table, missing == nullptr) : method;
+    if (method == LightsMethod::one_by_one) {
+        run_one_by_one(one_light, run, table.order_of_one_light(), measured.stages);
+        return measured.finish({{"points", run.points.count()}, {"lights", run.lights.count()}});
+    }
+    decide(table, method, is_automatic);
+    merge_stages(measured.stages);
+    return measured.finish();
+}
+
+LightsMethod LightTables::automatic_method(TableRun& table, bool can_be_bundled) {
+    MethodCache::Key key = key_of(table.run);
+    if (const auto found = methods_.find(key)) return *found;
+    LightsTraits traits = traits_of(table, can_be_bundled);
+    if (wants_height_field(traits)) {
+        try {
+            find_field(table);
+        } catch (const OutOfDeviceMemory&) {  // another method decides the table
+        }
+        traits.is_height_field = table.field != nullptr;
+    }
+    if (wants_widest_bundle(traits)) traits.widest_bundle = widest_bundle(table);
+    LightsCosts costs;
+    for (const LightsMethod method : methods_to_measure(traits)) costs[method] = measured_ms(method, table);
+    const LightsMethod chosen = choose_method(traits, costs);
+    methods_.keep(std::move(key), chosen);
+    return chosen;
+}
+
+void LightTables::decide(TableRun& table, LightsMethod method, bool is_automatic) {
+    if (method == LightsMethod::rays && !session_.is_cpu()) method = LightsMethod::point_beams;
+    if (method == LightsMethod::horizons) {
+        if (!table.run.lights.lights().front().is_directional()) throw_missing(method, "directional lights");
+        if (table.field == nullptr) find_field(table);
+        if (table.field == nullptr)
+            throw_missing(method, "a height field: triangles that lie side by side over a plane");
+    }
+    try {
+        passes_of(method, table, table.run).run();
+    } catch (const OutOfDeviceMemory&) {
+        // Beams take less memory than horizons, so they decide the table.
+        if (method != LightsMethod::horizons || !is_automatic) throw;
+        methods_.keep(key_of(table.run), LightsMethod::beams);
+        passes_of(LightsMethod::beams, table, table.run).run();
+    }
+}
+
+// The BVH is kept as long as the caller keeps the clusters of the same triangles, since the caller promised not to
+// write the vertices for that time.
+template <typename Built>
+const Built& LightTables::kept_of(std::unique_ptr<Built>& kept, const Triangles& triangles) {
+    const Clusters* clusters = Internals::clusters(triangles);
+    if (kept && clusters != nullptr && clusters == Internals::clusters(kept->triangles())) return *kept;
+    const MeasuredRun built(session_, kept_bytes_);
+    methods_.clear();
+    kept.reset();
+    kept = std::make_unique<Built>(device_, triangles);
+    return *kept;
+}
+
+const SortedPoints& LightTables::sort_points(const LightsRun& run) {
+    const MeasuredRun made(session_, kept_bytes_);
+    sorted_points_ = sorted_points(run, std::move(sorted_points_));
+    return sorted_points_;
+}
+
+void LightTables::find_field(TableRun& table) {
+    const cl::StageTimer timer(session_, table.statistics, "height_field");
+    const BuiltHeightField& built = kept_of(field_, table.given);
+    table.field = built.is_field() ? &built : nullptr;
+}
+
+void LightTables::release() {
+    tree_.reset();
+    field_.reset();
+    methods_.clear();
+    sorted_points_ = {};
+}
+
+}  // namespace gnomon

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT
+#include "light_tables/method_costs.hpp"
+
+namespace gnomon {
+namespace {
+
+constexpr const LightsTuning& tuning = lights_tuning;
+
+/// A run like `run` over every share-th sequence of neighbouring points. It writes no outputs.
+class SampledRun {
+public:
+    SampledRun(const BvhRun& whole, std::size_t share)
+        : sorted_(sampled_points(whole, whole.sorted, share)),
+          points_(sorted_.as_points(whole.device, whole.points)),
+          run_{{whole.device, whole.triangles, points_, whole.lights, whole.outputs, whole.options},
+               sorted_,
+               whole.tree} {}
+    const BvhRun& run() const { return run_; }
+    std::size_t count() const { return points_.count(); }
+
+private:
+    SortedPoints sorted_;
+    Points points_;
+    BvhRun run_;
+};
+
+std::size_t share_of_cpu_sample(std::size_t points) {
+    const std::size_t share = std::max(points / tuning.cpu_sample_points, tuning.cpu_sample_share);
+    return std::max<std::size_t>(std::min(share, points / tuning.cpu_min_sample_points), 1);
+}
+
+/// The first bundles of a table, at most `most` of them.
+LightBundles sampled_bundles(const LightBundles& all, std::size_t most) {
+    LightBundles sample;
+    sample.are_positions = all.are_positions;
+    const std::size_t count = all.bundles.size(), some = std::min(count, most);
+    for (std::size_t k = 0; k < some; ++k) {
+        const LightBundle& bundle = all.bundles[k * count / some];
+        sample.add(bundle, std::span(all.lights).subspan(k * count / some * MOST_BUNDLE_LIGHTS, bundle.light_count));
+    }
+    return sample;
+}
+
+double measured_on_cpu_ms(LightsMethod method, const TableRun& table) {
+    const SampledRun sample(table.run, share_of_cpu_sample(table.run.points.count()));
+    const double points_per_sample = double(table.run.points.count()) / double(sample.count());
+    if (method != LightsMethod::rays) return passes_of(method, table, sample.run()).timed_ms() * points_per_sample;
+    const LightBundles bundles = sampled_bundles(table.bundles.plain(), tuning.cpu_sample_bundles);
+    return BeamPasses(sample.run(), bundles, BeamShape::packet, table.statistics).timed_ms() * points_per_sample *
+           double(table.run.lights.count()) / double(bundles.light_count());
+}
+
+// On a GPU the slowest work-groups take much of a sample's time, so the time of more points is the difference of two
+// samples. (Their sizes differ, since a measured run has 2^14 points or more.)
+double measured_on_gpu_ms(LightsMethod method, const TableRun& table) {
+    const std::size_t points = table.run.points.count();
+    const std::size_t share = table.run.points.camera() ? tuning.gpu_picture_share : tuning.gpu_points_share;
+    const SampledRun small(table.run, share * tuning.gpu_launch_share), large(table.run, share);
+    const auto warm_ms = [&](const BvhRun& sample) {
+        BeamPasses passes = passes_of(method, table, sample);
+        passes.timed_ms();  // a first pass, not timed, loads the kernels and enlarges the queue
+        return passes.timed_ms();
+    };
+    const double small_ms = warm_ms(small.run()), large_ms = warm_ms(large.run());
+    return large_ms +
+           std::max(large_ms - small_ms, 0.0) / double(large.count() - small.count()) * double(points - large.count());
+}
+
+/// The time in which the table's middle light is decided for all points, without the time of kernel builds.
+double one_light_ms(const TableRun& table) {
+    const LightsRun& run = table.run;
+    const cl::Session& session = session_of(run.device);
+    const SortedPoints* sorted = table.order_of_one_light();
+    const Points ordered = sorted != nullptr ? sorted->as_points(run.device, run.points) : run.points;
+    const Visibility visibility(run.device, run.points.count());
+    const Light& middle = run.lights.lights()[run.lights.count() / 2];
+    const auto timed_ms = [&] {
+        const double builds_ms = session.build_ms();
+        return Internals::run_light(table.one_light, run.triangles, ordered, middle, visibility).total_wall_ms -
+               (session.build_ms() - builds_ms);
+    };
+    const double first_ms = timed_ms();
+    if (session.is_cpu()) return first_ms;
+    // On a GPU the first run takes many times as long as the next ones, since it allocates buffers and enlarges lists.
+    // The next runs are short, so other work on the machine easily disturbs them.
+    const double warm_ms = timed_ms();
+    return run.lights.count() < tuning.gpu_lights_timed_thrice ? warm_ms : std::min({warm_ms, timed_ms(), timed_ms()});
+}
+
+}  // namespace
+
+BeamPasses passes_of(LightsMethod method, const TableRun& table, const BvhRun& run) {
+    BundleTables& bundles = table.bundles;
+    switch (method) {
+        case LightsMethod::rays:
+            return {run, bundles.plain(), BeamShape::packet, table.statistics};
+        case LightsMethod::horizons:
+            return {run, bundles.sectors(table.field->field().axis), BeamShape::point, table.statistics, table.field};
+        default:
+            const bool are_points = method == LightsMethod::point_beams;
+            return {run, bundles.coned(), are_points ? BeamShape::point : BeamShape::block, table.statistics};
+    }
+}
+
+double measured_ms(LightsMethod method, const TableRun& table) {
+    try {
+        if (method == LightsMethod::one_by_one) return one_light_ms(table) * double(table.run.lights.count());
+        return (session_of(table.run.device).is_cpu() ? measured_on_cpu_ms : measured_on_gpu_ms)(method, table);
+    } catch (const OutOfDeviceMemory&) {
+        return LightsCosts::infinite;
+    }
+}
+
+}  // namespace gnomon

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+// The passes of each method that decides a table of lights through the BVH, and their times, measured on samples.
+#pragma once
+
+#include "light_tables/beam_trace.hpp"
+#include "lights/lights_method.hpp"
+
+namespace gnomon {
+
+/// A run over lights that can be bundled, with the inputs of its methods.
+struct TableRun {
+    BvhRun run;
+    const Triangles& given;  ///< the triangles, with clusters if the caller keeps them
+    BundleTables& bundles;
+    Technique& one_light;                     ///< decides single lights
+    Statistics& statistics;                   ///< receives the stages
+    const BuiltHeightField* field = nullptr;  ///< null: the triangles are no height field, or no field was searched for
+
+    /// The points in the order in which `one_light` takes them; null for the order of the run's points.
+    const SortedPoints* order_of_one_light() const { return run.points.camera() ? nullptr : &run.sorted; }
+};
+
+/// Runs the passes of beams, point_beams, rays (on a CPU) or horizons (with a field) over the table's points, or over a
+/// sample of them.
+BeamPasses passes_of(LightsMethod method, const TableRun& table, const BvhRun& run);
+
+/// The time in ms that beams, rays, horizons (the latter two on a CPU) or one light after the other would take for the
+/// whole run, estimated from a sample; infinite if there is not enough memory.
+double measured_ms(LightsMethod method, const TableRun& table);
+
+}  // namespace gnomon

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+// Lights and cameras: plain values, checked where they are made.
+#include <algorithm>
+#include <cmath>
+
+#include <gnomon.hpp>
+#include "query/vectors.hpp"
+
+namespace gnomon {
+
+Light Light::directional(const Float3& direction) {
+    if (!is_finite(direction)) throw InvalidArgument("the light's direction must be finite numbers");
+    if (direction == Float3{0, 0, 0}) throw InvalidArgument("the light's direction must not be 0,0,0");
+    return {{-direction[0], -direction[1], -direction[2], 0.0f}};
+}
+
+Light Light::point(const Float3& position) {
+    if (!is_finite(position)) throw InvalidArgument("the light's position must be finite numbers");
+    return {{position[0], position[1], position[2], 1.0f}};
+}
+
+Camera Camera::look_at(const Float3& eye, const Float3& target, const Float3& up, double fov_y_degrees) {
+    if (!is_finite(eye) || !is_finite(target) || !is_finite(up))
+        throw InvalidArgument("the camera's eye, target and up must be finite numbers");
+    if (!(fov_y_degrees > 0 && fov_y_degrees < 180))
+        throw InvalidArgument("the camera's vertical field of view must lie between 0 and 180 degrees");
+    Camera camera;
+    camera.eye = eye;
+    camera.fov_y_radians = fov_y_degrees * (3.14159265358979323846 / 180.0);
+    Double3 up_hint{up[0], up[1], up[2]};
+    for (int i = 0; i < 3; ++i) camera.forward[i] = double(target[i]) - double(eye[i]);
+    if (!normalize(camera.forward)) throw InvalidArgument("the camera's eye and target coincide");
+    if (!normalize(up_hint)) throw InvalidArgument("the camera's up must not be 0,0,0");
+    camera.right = cross(camera.forward, up_hint);
+    if (std::hypot(camera.right[0], camera.right[1], camera.right[2]) < 1e-12 || !normalize(camera.right))
+        throw InvalidArgument("the camera's up is parallel to its view: choose another up");
+    camera.up = cross(camera.right, camera.forward);
+    normalize(camera.up);
+    return camera;
+}
+
+}  // namespace gnomon

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: MIT
+// Contract of the technique izb: lists of points by bin of light space.
+#pragma once
+
+#include "rivals/framed_technique.h"
+
+GN_STRUCT_BEGIN(IzbParams)
+    FramedParams framed;
+    uint has_map;         // 0: the map's buffer is not read
+    uint slot_count;      // of the lists, a multiple of 16
+    uint queue_capacity;  // pairs
+    uint padding;
+GN_STRUCT_END(IzbParams, 152)
+
+// The lists as a structure of arrays: slot_count words each of the point's index, GN_NO_ID in an empty slot, and of its
+// X, Y, Z in the grid.
+#define IZB_WORDS 4u

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+// Contract of the depth pass: finds the triangle that is nearest to the light at each texel's centre.
+//
+// A texel's key is the depth (map_view.h) of the nearest caster that covers its centre, biased and clamped to [0, 1],
+// as the bits of the float: bits and numbers have the same order, so an atomic minimum finds the key in any order of
+// work. An empty texel has EMPTY_KEY, depth 1: no receiver is farther.
+//
+// Coverage: a triangle covers a centre P if its three edge functions there have the same sign or are 0. With vertices
+// h = (u w, v w, w) and a the vertex of an edge (a, b) with the larger |w|,
+//   e(P) = a_w ((b_x - a_u b_w) (P_v - a_v) - (b_y - a_v b_w) (P_u - a_u)),
+// the triple product (a, b, P): no clipping, whatever the signs of w (Olano and Greer 1997). Differences are taken
+// before products, so that small triangles keep their shape. The values of a and b alone decide their order, so two
+// triangles that share an edge compute the same number with opposite signs, and at least one covers a centre between
+// them: no cracks. Both faces cast; triangles edge-on to the light cast nothing.
+//
+// A masked triangle (exact/cut_outs.h) covers a centre only where its texture is opaque there, or too near to the
+// threshold for floats to tell: the alpha test of every renderer of shadow maps.
+//
+// Depth at P: (sum of e_i d_i) / (sum of e_i), a convex combination: never outside the triangle's own range.
+#pragma once
+
+#include "rivals/shadow_map/map_view.h"
+
+#define EMPTY_KEY 0x3F800000u  // the bits of 1.0f
+
+// The output of a pass.
+#define PASS_NEAREST 0u  // the key of the nearest caster
+#define PASS_SECOND 1u   // the nearest key after the first one (dual depth layers)
+#define PASS_SLOPE 2u    // of the nearest caster: squared depth per texel, dx^2 + dy^2, as float bits (moment bias)
+
+// If a triangle's bounding rectangle has more texels than this, it is split into chunks of tiles.
+#define SMALL_TEXELS 256u
+#define TILE_LOG2 4u
+#define CHUNK_TILES 64u
+
+GN_STRUCT_BEGIN(DepthPass)
+    ulong first_float;  // where the triangles begin in their buffer
+    uint triangle_count;
+    uint pass;
+    uint view_index;      // the view that depth_pass.cl draws
+    uint chunk_capacity;  // of depth_pass.cl; for virtual_map.cl, of its pairs
+    float slope_bias;     // times max(|dz/dx|, |dz/dy|), depth per texel
+    float slope_limit;    // the slope-scaled part is at most this
+GN_STRUCT_END(DepthPass, 32)

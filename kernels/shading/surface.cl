@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: MIT
+// Albedo and shading normal of each pixel. Contract: surface.h.
+#include "shading/surface.h"
+#include "shading/texture.clh"
+
+// Barycentric coordinates of the pixel's centre, and their derivatives.
+typedef struct Barycentric {
+    float3 at, across, down;
+} Barycentric;
+
+static float3 surface_vector(const float* v) { return (float3)(v[0], v[1], v[2]); }
+
+static float3 surface_cross(float3 v, float3 w) {
+    return (float3)(v.y * w.z - v.z * w.y, v.z * w.x - v.x * w.z, v.x * w.y - v.y * w.x);
+}
+static float surface_dot(float3 v, float3 w) { return v.x * w.x + v.y * w.y + v.z * w.z; }
+
+static Barycentric barycentric_of(Triangle t, SurfaceParams params, float x, float y) {
+    float3 eye = surface_vector(params.eye);
+    float3 across = surface_vector(params.across), down = surface_vector(params.down);
+    float3 d = surface_vector(params.corner) + across * x + down * y;
+    float3 a = t.a - eye, b = t.b - eye, c = t.c - eye;
+    // An edge as second row: the rounding grows with distance x edge, not with distance squared.
+    float3 of_a = surface_cross(b, t.c - t.b), of_b = surface_cross(c, t.a - t.c), of_c = surface_cross(a, t.b - t.a);
+    float3 w = (float3)(surface_dot(of_a, d), surface_dot(of_b, d), surface_dot(of_c, d));
+    float sum = w.x + w.y + w.z, inverse = 1.0f / sum;
+    Barycentric found;
+    found.at = w * inverse;
+    if (!GN_FINITE(inverse) || !GN_FINITE(found.at.x + found.at.y + found.at.z)) {
+        found.at = (float3)(1.0f / 3.0f);
+        found.across = found.down = (float3)(0.0f);
+        return found;
+    }
+    float3 w_across = (float3)(surface_dot(of_a, across), surface_dot(of_b, across), surface_dot(of_c, across));
+    float3 w_down = (float3)(surface_dot(of_a, down), surface_dot(of_b, down), surface_dot(of_c, down));
+    found.across = (w_across - found.at * (w_across.x + w_across.y + w_across.z)) * inverse;
+    found.down = (w_down - found.at * (w_down.x + w_down.y + w_down.z)) * inverse;
+    // The ray meets the triangle: what is outside is rounding.
+    found.at = clamp(found.at, 0.0f, 1.0f);
+    found.at /= found.at.x + found.at.y + found.at.z;
+    return found;
+}
+
+static float2 blended_coordinates(__global const SurfaceRecord* record, float3 of) {
+    __global const float* uv = record->coordinates;
+    return (float2)(uv[0] * of.x + uv[2] * of.y + uv[4] * of.z, uv[1] * of.x + uv[3] * of.y + uv[5] * of.z);
+}
+
+// A corner's normal from the octahedral map; 0 if there is none.
+static float3 unpacked_normal(uint bits) {
+    if (bits == 0u) return (float3)(0.0f);
+    float x = (float)(bits & 0xFFFFu) * (2.0f / 65534.0f) - (65536.0f / 65534.0f);
+    float y = (float)(bits >> 16) * (2.0f / 65534.0f) - (65536.0f / 65534.0f);
+    float z = 1.0f - fabs(x) - fabs(y);
+    float fold = fmax(-z, 0.0f);
+    x += x >= 0.0f ? -fold : fold;
+    y += y >= 0.0f ? -fold : fold;
+    return (float3)(x, y, z) / sqrt(x * x + y * y + z * z);
+}
+
+// The interpolated normal, on the eye's side of the triangle; the geometric normal if corners have none.
+static float3 shading_normal(__global const SurfaceRecord* record, float3 at, float3 geometric) {
+    if (record->normals[0] == 0u || record->normals[1] == 0u || record->normals[2] == 0u) return geometric;
+    float3 n = unpacked_normal(record->normals[0]) * at.x + unpacked_normal(record->normals[1]) * at.y +
+               unpacked_normal(record->normals[2]) * at.z;
+    float size = sqrt(surface_dot(n, n));
+    if (!(size > 1e-3f)) return geometric;
+    n /= size;
+    float side = surface_dot(n, geometric);
+    return fabs(side) > 1e-3f ? (side < 0.0f ? -n : n) : geometric;
+}
+
+// The sine of the largest angle between the triangle's normal and a corner's; 0 if corners have none.
+static float spread_of_normals(__global const SurfaceRecord* record, float3 geometric) {
+    float least = 1.0f;
+    for (int i = 0; i < 3; ++i) {
+        if (record->normals[i] == 0u) return 0.0f;
+        least = fmin(least, fabs(surface_dot(unpacked_normal(record->normals[i]), geometric)));
+    }
+    return sqrt(fmax(1.0f - least * least, 0.0f));
+}
+
+static float3 albedo_of(__global const SurfaceRecord* record, const Barycentric* at, bool has_colors,
+                        __global const SurfaceMaterial* materials, __global const SurfaceTexture* textures,
+                        __global const uchar4* texels, __global const float* decoded) {
+    SurfaceMaterial material = materials[record->material];
+    float3 albedo = surface_vector(material.base_color);
+    if (has_colors) {
+        __global const float* c = record->colors;
+        albedo *= clamp(vload3(0, c) * at->at.x + vload3(1, c) * at->at.y + vload3(2, c) * at->at.z, 0.0f, 1.0f);
+    }
+    if (material.texture == GN_NO_ID) return albedo;
+    SurfaceTexture of = textures[material.texture];
+    Texels texture = {texels + of.first_texel, decoded, of.width, of.height, material.wrap_u, material.wrap_v};
+    TextureArea area = {blended_coordinates(record, at->at), blended_coordinates(record, at->across),
+                        blended_coordinates(record, at->down)};
+    return albedo * filtered(&texture, &area, material.is_nearest != 0u);
+}
+
+// `slots`: the record's slot for each pixel, or GN_NO_ID. Sky: 0.
+__kernel void surfaces(SurfaceParams params, __global const float* vertices, __global const uint* visible,
+                       __global const uint* slots, __global const float* normals, __global const SurfaceRecord* records,
+                       __global const SurfaceMaterial* materials, __global const SurfaceTexture* textures,
+                       __global const uchar4* texels, __global const float* decoded, __global float* albedos,
+                       __global float* shading_normals, __global float* spreads) {
+    GN_FOR_EACH(pixel, params.width * params.height) {
+        float3 albedo = (float3)(0.0f), normal = albedo;
+        float spread = 0.0f;
+        if (slots[pixel] != GN_NO_ID) {
+            __global const SurfaceRecord* record = records + slots[pixel];
+            Triangle t = load_triangle(vertices + params.triangles.first_float, visible[pixel]);
+            Barycentric at = barycentric_of(t, params, (float)(pixel % params.width), (float)(pixel / params.width));
+            albedo = albedo_of(record, &at, params.has_colors != 0u, materials, textures, texels, decoded);
+            if (params.has_normals != 0u) {
+                normal = shading_normal(record, at.at, vload3(pixel, normals));
+                spread = spread_of_normals(record, vload3(pixel, normals));
+            }
+        }
+        vstore3(albedo, pixel, albedos);
+        if (params.has_normals == 0u) continue;
+        vstore3(normal, pixel, shading_normals);
+        spreads[pixel] = spread;
+    }
+}
