@@ -13,7 +13,8 @@ public:
 
     static TechniqueDescription describe() {
         return {"sub-pixel",
-                "sub-pixel shadow mapping (Lecocq et al. 2014): the map stores triangles, which lookups test exactly",
+                "map of triangles, which lookups test exactly (Dai, Yang and Feng 2008; sub-pixel shadow maps without their "
+                "reconstruction of edges)",
                 false, settings({"neighbours", "map-size"})};
     }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <gnomon.hpp>
+#include "query/vectors.hpp"
 #include "scene_makers.hpp"
 
 namespace support {
@@ -21,6 +22,23 @@ inline std::vector<gnomon::Light> square_light(const Float3& center, float side,
 inline std::vector<gnomon::Light> square_sun(float tangent, int samples) {
     std::vector<gnomon::Light> lights = square_light({0, 1, 0}, tangent, samples);
     for (gnomon::Light& light : lights) light.xyzw[3] = 0;
+    return lights;
+}
+
+/// The same across any direction of light.
+inline std::vector<gnomon::Light> tilted_square_sun(const gnomon::Double3& travel, double tangent, int samples) {
+    gnomon::Double3 direction = travel, across = gnomon::cross(travel, {1, 0, 0});
+    gnomon::normalize(direction);
+    gnomon::normalize(across);
+    const gnomon::Double3 along = gnomon::cross(direction, across);
+    std::vector<gnomon::Light> lights;
+    for (int i = 0; i < samples * samples; ++i) {
+        const double a = tangent * ((i % samples + 0.5) / samples - 0.5),
+                     b = tangent * ((i / samples + 0.5) / samples - 0.5);
+        const gnomon::Double3 d =
+            gnomon::sum(direction, gnomon::sum(gnomon::scaled(across, a), gnomon::scaled(along, b)));
+        lights.push_back(gnomon::Light::directional({float(d[0]), float(d[1]), float(d[2])}));
+    }
     return lights;
 }
 

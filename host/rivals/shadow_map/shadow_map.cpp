@@ -39,7 +39,7 @@ struct Settings : StorePlan {
 // In the order of the constants' values.
 constexpr std::string_view store_names[] = {"depth", "variance", "layered", "convolution", "exponential",
                                             "evsm2", "evsm4",    "ewgf",    "moments"};
-constexpr std::string_view lookup_names[] = {"hard", "pcf", "bilinear", "gaussian", "twelve", "pcss"};
+constexpr std::string_view lookup_names[] = {"hard", "pcf", "bilinear", "gaussian", "twelve", "pcss", "pcss-grid"};
 constexpr std::string_view prefilter_names[] = {"none", "gaussian", "summed-area", "mip"};
 constexpr std::string_view bias_names[] = {"scaled", "adaptive", "dual"};
 constexpr std::string_view bits_names[] = {"64", "128"};
@@ -59,7 +59,8 @@ const SettingsTable<Settings>& settings_table() {
           "texels across the prefilter (mip: needs none), 1 to 33; odd for the Gaussian (sigma = width / 4.5)"},
          setting::whole(&S::filter_width, 1, MOST_TAPS)},
         {{"lookup", "hard",
-          "of depths: hard, pcf (mean of taps^2 texels), bilinear, gaussian (both smooth), twelve or pcss"},
+          "of depths: hard, pcf (mean of taps^2 texels), bilinear, gaussian (both smooth), twelve, pcss or pcss-grid "
+          "(its taps on one grid: bands in place of noise)"},
          setting::choice(&S::lookup, lookup_names)},
         {{"taps", "3", "texels across the lookup's kernel, 1 to 33"}, setting::whole(&S::taps, 1, MOST_TAPS)},
         {{"softness", "1.5", "of lookup twelve: the deviation of its taps in texels, 0 to 100"},
@@ -127,7 +128,7 @@ public:
         require_consistent();
         MeasuredRun measured(session_, kept_bytes_);
         FitInputs inputs{triangle_inputs(triangles), point_inputs(points), visibility.buffer(), light, points.camera()};
-        inputs.keeps_casters = settings_.lookup == LOOKUP_PCSS;  // the lookup measures the distance to casters
+        inputs.keeps_casters = settings_.lookup >= LOOKUP_PCSS;  // the lookup measures the distance to casters
         map_views_.set = {};
         const FrameCounters facing =
             run_facing(session_, measured.stages, inputs.triangles, inputs.points, light, inputs.visibility, counters_);

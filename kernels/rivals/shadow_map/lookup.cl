@@ -28,7 +28,7 @@ __kernel void map_lookup(LookupPlan plan, MapSet set, PointsLayout layout, __glo
             float visible = lookup_in_view(&plan, &point, has_receiver ? &t : 0, p, set.texels, depths, planes, mips);
 #else
             if (has_receiver) set_receiver_plane(&point, t);
-            float visible = lookup_in_view(&plan, &point, depths);
+            float visible = lookup_in_view(&plan, &point, p, depths);
 #endif
             lit += (next ? share : 1.0f - share) * visible;
         }

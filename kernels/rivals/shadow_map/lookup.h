@@ -8,12 +8,13 @@
 #include "rivals/shadow_map/moments.h"
 
 // Lookups of depths.
-#define LOOKUP_HARD 0u      // the texel under the point (Williams 1978)
-#define LOOKUP_PCF 1u       // mean of taps x taps texels (Reeves, Salesin, Cook 1987)
-#define LOOKUP_BILINEAR 2u  // the same, moving smoothly: (taps + 1)^2 texels, the outer texels by their share
-#define LOOKUP_GAUSSIAN 3u  // as bilinear, weighted by a Gaussian of sigma taps / 4.5 (Gruen 2010)
-#define LOOKUP_TWELVE 4u    // 12 taps distributed like a Gaussian of sigma `softness` texels
-#define LOOKUP_PCSS 5u      // kernel as wide as the penumbra estimated from the blockers (Fernando 2005)
+#define LOOKUP_HARD 0u       // the texel under the point (Williams 1978)
+#define LOOKUP_PCF 1u        // mean of taps x taps texels (Reeves, Salesin, Cook 1987)
+#define LOOKUP_BILINEAR 2u   // the same, moving smoothly: (taps + 1)^2 texels, the outer texels by their share
+#define LOOKUP_GAUSSIAN 3u   // as bilinear, weighted by a Gaussian of sigma taps / 4.5 (Gruen 2010)
+#define LOOKUP_TWELVE 4u     // 12 taps distributed like a Gaussian of sigma `softness` texels
+#define LOOKUP_PCSS 5u       // kernel as wide as the penumbra estimated from the blockers (Fernando 2005)
+#define LOOKUP_PCSS_GRID 6u  // the same, the taps on one grid for all points
 
 #define MOST_TAPS 33
 

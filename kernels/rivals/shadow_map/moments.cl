@@ -13,6 +13,9 @@ static float4 optimised_moments(float z) {
                     9.7924062118f * m.x - 33.7652110555f * m.y + 47.9456096605f * m.z - 23.9728048165f * m.w);
 }
 
+// Of a quantity in [0, 1]; the moment bias is its variance within a texel.
+static float second_moment(float mean, float bias) { return mean * mean + fmin(bias, mean * (1.0f - mean)); }
+
 __kernel void moments_fill(StorePlan plan, MapSet set, __global const float* depths, __global const float* slopes,
                            __global float* planes) {
     size_t texels = set.texels;
@@ -22,14 +25,14 @@ __kernel void moments_fill(StorePlan plan, MapSet set, __global const float* dep
         switch (plan.store) {
             case STORE_VARIANCE:
                 at[0] = z;
-                at[texels] = z * z + 0.25f * slopes[i];
+                at[texels] = second_moment(z, 0.25f * slopes[i]);
                 break;
             case STORE_LAYERED:
                 for (uint l = 0; l < plan.layers; ++l) {
                     float2 range = layer_range(&plan, l);
                     float length = range.y - range.x, warped = clamp((z - range.x) / length, 0.0f, 1.0f);
                     at[2 * l * texels] = warped;
-                    at[(2 * l + 1) * texels] = warped * warped + 0.25f * slopes[i] / (length * length);
+                    at[(2 * l + 1) * texels] = second_moment(warped, 0.25f * slopes[i] / (length * length));
                 }
                 break;
             case STORE_CONVOLUTION:

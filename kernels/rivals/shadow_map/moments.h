@@ -15,7 +15,8 @@
 // Numbers are floats in memory, but with half_bits 16-bit fixed point of [0, 1]: 64 bits per texel, also where a
 // prefilter reads and writes them.
 // z is in [0, 1]. dx, dy are the caster's depth per texel: the moment bias, for a texel seen as a Gaussian of half a
-// texel's deviation.
+// texel's deviation. It is limited (Lauritzen, GPU Gems 3, chapter 8, asks for a limit) to z - z^2, the largest
+// variance of any quantity in [0, 1] with the mean z: so it is 0 where z, or a layer's share of it, is clamped.
 #pragma once
 
 #include "rivals/shadow_map/texel_footprint.h"
