@@ -13,7 +13,8 @@ public:
 
     static TechniqueDescription describe() {
         return {"sub-pixel",
-                "map of triangles, which lookups test exactly (Dai, Yang and Feng 2008; sub-pixel shadow maps without their "
+                "map of triangles, which lookups test exactly (Dai, Yang and Feng 2008; sub-pixel shadow maps without "
+                "their "
                 "reconstruction of edges)",
                 false, settings({"neighbours", "map-size"})};
     }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <gnomon.hpp>
+
 #include "query/vectors.hpp"
 #include "scene_makers.hpp"
 
@@ -26,18 +27,14 @@ inline std::vector<gnomon::Light> square_sun(float tangent, int samples) {
 }
 
 /// The same across any direction of light.
-inline std::vector<gnomon::Light> tilted_square_sun(const gnomon::Double3& travel, double tangent, int samples) {
-    gnomon::Double3 direction = travel, across = gnomon::cross(travel, {1, 0, 0});
-    gnomon::normalize(direction);
-    gnomon::normalize(across);
-    const gnomon::Double3 along = gnomon::cross(direction, across);
+inline std::vector<gnomon::Light> tilted_square_sun(const glm::dvec3& travel, double tangent, int samples) {
+    const glm::dvec3 direction = normalize(travel), across = normalize(cross(travel, {1, 0, 0})),
+                     along = cross(direction, across);
     std::vector<gnomon::Light> lights;
     for (int i = 0; i < samples * samples; ++i) {
         const double a = tangent * ((i % samples + 0.5) / samples - 0.5),
                      b = tangent * ((i / samples + 0.5) / samples - 0.5);
-        const gnomon::Double3 d =
-            gnomon::sum(direction, gnomon::sum(gnomon::scaled(across, a), gnomon::scaled(along, b)));
-        lights.push_back(gnomon::Light::directional({float(d[0]), float(d[1]), float(d[2])}));
+        lights.push_back(gnomon::Light::directional(gnomon::array_of(direction + a * across + b * along)));
     }
     return lights;
 }

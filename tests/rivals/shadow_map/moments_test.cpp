@@ -67,12 +67,11 @@ struct Map {
         };
         const auto a = row(view.row_u, u), b = row(view.row_v, v);
         const Double3 na{a[0], a[1], a[2]}, nb{b[0], b[1], b[2]};
-        const double c = plane.offset - gnomon::dot(plane.normal, to_double(view.origin));
-        const Double3 ab = gnomon::cross(na, nb), bn = gnomon::cross(nb, plane.normal),
-                      nc = gnomon::cross(plane.normal, na);
-        Double3 q;
-        for (int i = 0; i < 3; ++i) q[i] = (-a[3] * bn[i] - b[3] * nc[i] + c * ab[i]) / gnomon::dot(ab, plane.normal);
-        return sum(q, to_double(view.origin));
+        const Double3 normal = plane.normal, origin = to_double(view.origin);
+        const double c = plane.offset - dot(normal, origin);
+        const Double3 q =
+            (c * cross(na, nb) - a[3] * cross(nb, normal) - b[3] * cross(normal, na)) / dot(cross(na, nb), normal);
+        return q + origin;
     }
     double depth(double u, double v, const Plane& plane) const { return place(view, on_plane(u, v, plane)).depth; }
     bool shows_plate(double u, double v) const {
