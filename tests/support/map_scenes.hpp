@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Views of shadow maps made by hand, and their truth in double: the ray of a texel's centre and its first intersection.
-// Shares only the contract with the kernels (kernels/rivals/shadow_map/map_view.h).
+// Shares only the contract with the kernels (kernels/rivals/rasterizer/map_view.h).
 #pragma once
 
 #include <functional>

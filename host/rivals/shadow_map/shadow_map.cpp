@@ -140,6 +140,7 @@ public:
                     {"depth_pass", 0, 0, "no point faces the light, or there are no triangles"});
         }
         session_.finish();
+        depths_.grow(session_);
         return measured.finish({{"points", points.count()},
                                 {"points_absent", facing.absent},
                                 {"points_facing_away", facing.facing_away},

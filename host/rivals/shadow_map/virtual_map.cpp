@@ -32,6 +32,9 @@ constexpr const char* file = "rivals/shadow_map/virtual_map.cl";
 // The least is one page; each size is the double of the previous size.
 constexpr std::string_view sizes[] = {"128", "256", "512", "1024", "2048", "4096", "8192", "16384"};
 
+// On a GPU: pairs of a triangle and a page that have room at first; others are drawn at once.
+constexpr std::uint64_t first_pairs = 1u << 18;
+
 // Texels are counted in 32 bits.
 constexpr std::uint32_t most_pages = 0xFFFFFFFFu / PAGE_TEXELS;
 
@@ -110,6 +113,9 @@ public:
         }
         if (!drawn.empty()) run_stages(drawn);
         session_.finish();
+        // The next run has room for as many pairs as this one made.
+        if (!drawn.empty() && !session_.is_cpu())
+            pairs_.fitted(session_, session_.read_value<VirtualCounters>(counters_).pairs, "triangles of pages");
 
         std::vector<Statistics> all;
         std::uint64_t first_page = 0;
@@ -206,37 +212,40 @@ private:
                                   std::to_string(settings_.size) + ", and there can be " + std::to_string(most_pages) +
                                   ": set a smaller size or detail");
         pages_.reserve(session_, pages * sizeof(MapView));
-        session_.reserve_filled(touched_, 0, pages * sizeof(cl_uint));
-        // A little more than the texels: kernels read the last ones in blocks of lanes.
-        session_.reserve_filled(keys_, EMPTY_KEY,
-                                (std::size_t(pages) * PAGE_TEXELS + session_.lanes()) * sizeof(cl_uint));
+        page_entries_.reserve(session_, pages * sizeof(cl_uint));
+        touched_.reserve(session_, pages * sizeof(cl_uint));
+        keys_.reserve(session_, words_of(pages) * sizeof(cl_uint));
         session_.launch(file, "virtual_map_pages", cl::Range::items(entries), plan, level_views_.views, requested_,
-                        page_of_, pages_);
+                        page_of_, pages_, page_entries_);
     }
+
+    /// A little more than the pages' texels: kernels read the last ones in blocks of lanes.
+    std::size_t words_of(cl_uint pages) const { return std::size_t(pages) * PAGE_TEXELS + session_.lanes(); }
 
     void draw(const TriangleInputs& triangles, const VirtualPlan& plan, Statistics& statistics) {
         cl::StageTimer timer(session_, statistics, "draw");
-        DepthPass pass{};
-        pass.pass = PASS_NEAREST;
-        pass.first_float = triangles.first_float;
-        pass.triangle_count = triangles.count;
-        pass.slope_bias = settings_.slope_bias;
-        pass.slope_limit = settings_.slope_limit;
-        // Drawing triangles twice leaves a minimum unchanged: after growing, the stage draws all triangles again.
-        pairs_.reserve(session_, 1u << 12);
-        for (;;) {
-            pass.chunk_capacity = pairs_.capacity();
-            session_.launch(triangles.kernel(file, "virtual_map_small"), cl::Range::items(triangles.count), plan, pass,
-                            triangles.vertices, level_views_.views, level_views_.tables, requested_, page_of_, pages_,
-                            touched_, keys_, counters_, pairs_.buffer());
-            session_.launch(triangles.kernel(file, "virtual_map_large"), session_.small_groups(), plan, pass,
-                            triangles.vertices, level_views_.tables, page_of_, pages_, keys_, counters_,
-                            pairs_.buffer());
-            counted_ = session_.read_value<VirtualCounters>(counters_);
-            if (pairs_.fitted(session_, counted_.pairs, "triangles of pages")) return;
-            counted_.pairs = 0;
-            session_.write(counters_.get(), &counted_, sizeof(counted_));
+        clusters_.run(session_, triangles, level_views_, plan.levels);
+        const TriangleInputs& drawn = clusters_.triangles();
+        VirtualPass pass{clusters_.pass(), plan};
+        pass.pass.pass = PASS_NEAREST;
+        pass.pass.slope_bias = settings_.slope_bias;
+        pass.pass.slope_limit = settings_.slope_limit;
+        if (session_.is_cpu()) {
+            const cl_uint pages = counted_.pages_requested;
+            session_.launch(drawn.kernel(file, "virtual_map_windows"), cl::Range::groups(pages, 1), pass, pages,
+                            drawn.vertices, level_views_.tables, clusters_.covers(), pages_, page_entries_, touched_,
+                            keys_);
+            return;
         }
+        session_.fill(touched_, 0, counted_.pages_requested * sizeof(cl_uint));
+        session_.fill(keys_, EMPTY_KEY, words_of(counted_.pages_requested) * sizeof(cl_uint));
+        pairs_.reserve(session_, first_pairs);
+        pass.pass.chunk_capacity = pairs_.capacity();
+        session_.launch(drawn.kernel(file, "virtual_map_scatter"), clusters_.items(), pass, drawn.vertices,
+                        level_views_.views, level_views_.tables, clusters_.listed(), page_of_, pages_, touched_, keys_,
+                        counters_, pairs_.buffer(), clusters_.local(session_));
+        session_.launch(drawn.kernel(file, "virtual_map_pairs"), session_.small_groups(), pass, drawn.vertices,
+                        level_views_.tables, page_of_, pages_, keys_, counters_, pairs_.buffer());
     }
 
     /// How many of the pages [first, first + count) overlap the rectangle of some caster.
@@ -289,7 +298,8 @@ private:
     Scan scan_;
     std::vector<MapViews> light_views_;  ///< of each light
     MapViews level_views_;
-    cl::Buffer counters_, requested_, page_of_, point_entries_, pages_, touched_, keys_;
+    cl::Buffer counters_, requested_, page_of_, page_entries_, point_entries_, pages_, touched_, keys_;
+    CasterClusters clusters_;
     GrowingList pairs_{2 * sizeof(cl_uint)};
     VirtualCounters counted_{};
 };

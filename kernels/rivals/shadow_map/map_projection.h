@@ -29,7 +29,7 @@
 // fitted to the receivers.
 #pragma once
 
-#include "rivals/shadow_map/map_view.h"
+#include "rivals/rasterizer/map_view.h"
 
 #define PROJECTION_UNIFORM 0u
 #define PROJECTION_PSM 1u

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Virtual shadow maps: levels, requests, pages, drawing and lookup (contract: virtual_map.h).
-#include "rivals/shadow_map/caster.clh"
+#include "rivals/rasterizer/caster_chunks.clh"
+#include "rivals/rasterizer/caster_windows.clh"
 #include "rivals/shadow_map/diagnostic.h"
 #include "rivals/shadow_map/lookup.h"
 #include "rivals/shadow_map/virtual_map.h"
@@ -19,6 +20,10 @@ __kernel void virtual_map_levels(VirtualPlan plan, VirtualLight light, __global 
         grid.row_stride = PAGE_SIZE;
         level_views[view * plan.levels + level] = grid;
     }
+}
+
+static uint2 texel_below(float2 texels, __global const MapView* view) {
+    return convert_uint2(clamp(texels, (float2)(0.0f), (float2)(view->width - 1, view->height - 1)));
 }
 
 static uint wanted_level(const VirtualPlan* plan, MapSet set, const MapPoint* point, float3 p) {
@@ -58,81 +63,154 @@ __kernel void virtual_map_request(VirtualPlan plan, VirtualLight light, MapSet s
 }
 
 __kernel void virtual_map_pages(VirtualPlan plan, __global const MapView* level_views, __global const uint* requested,
-                                __global const uint* page_of, __global MapView* pages) {
+                                __global const uint* page_of, __global MapView* pages, __global uint* page_entries) {
     GN_FOR_EACH(entry, plan.view_count * plan.entries_per_view) {
         if (requested[entry] == 0) continue;
         Page page = page_of_entry(&plan, (uint)entry);
         MapView grid = level_views[page.view * plan.levels + page.level];
         grid.first_texel = page_of[entry] * PAGE_TEXELS - page.row * PAGE_TEXELS - page.column * PAGE_SIZE;
         pages[page_of[entry]] = grid;
+        page_entries[page_of[entry]] = (uint)entry;
     }
 }
 
-static void clip_to_page(Caster* caster, uint2 page) {
-    caster->covered.low = max(caster->covered.low, page << PAGE_LOG2);
-    caster->covered.high = min(caster->covered.high, ((page + 1u) << PAGE_LOG2) - 1u);
+static TexelRectangle texels_of_page(Page page) {
+    uint2 low = (uint2)(page.column, page.row) << PAGE_LOG2;
+    return (TexelRectangle){low, low + PAGE_SIZE - 1u};
 }
 
-// Draws triangle i into the requested pages of one level of one view, or lists it with each.
-static void draw_into_pages(const VirtualPlan* plan, const DepthPass* pass, uint level_view, uint triangle,
-                            const Caster* caster, __global const uint* requested, __global const uint* page_of,
-                            __global const MapView* pages, __global const float* tables, __global uint* touched,
-                            __global uint* keys, __global VirtualCounters* counters, __global uint2* pairs) {
-    bool is_small = texels_of(caster->covered) <= SMALL_TEXELS;
-    for (uint row = caster->covered.low.y >> PAGE_LOG2; row <= caster->covered.high.y >> PAGE_LOG2; ++row)
-        for (uint column = caster->covered.low.x >> PAGE_LOG2; column <= caster->covered.high.x >> PAGE_LOG2;
-             ++column) {
-            uint entry = page_entry(plan, level_view / plan->levels, level_view % plan->levels, column, row);
-            if (requested[entry] == 0) continue;
-            uint page = page_of[entry];
-            if (GN_RELAXED_LOAD(&touched[page]) == 0) atomic_xchg(&touched[page], 1u);
-            if (is_small) {
-                Caster part = *caster;
-                clip_to_page(&part, (uint2)(column, row));
-                draw_rectangle(pass, pages + page, tables, &part, part.covered, keys, keys);
-                continue;
-            }
-            uint at = atomic_inc(&counters->pairs);
-            if (at < pass->chunk_capacity) pairs[at] = (uint2)(triangle, entry);
-        }
+#ifdef GN_CPU
+// An item draws a page. touched[page]: whether it overlaps the rectangle of some caster.
+__kernel void virtual_map_windows(VirtualPass all, uint page_count, __global const float* vertices,
+                                  __global const float* tables, __global const ClusterCovers* covers,
+                                  __global const MapView* pages, __global const uint* page_entries,
+                                  __global uint* touched, __global uint* keys) {
+    DepthPass pass = all.pass;
+    uint blocks = (pass.cluster_count + GN_LANES - 1u) / GN_LANES;
+    GN_FOR_EACH(i, page_count) {
+        Page page = page_of_entry(&all.plan, page_entries[i]);
+        TexelRectangle window = texels_of_page(page);
+        Drawing d = {pass, triangles_of(vertices, pass.triangles), pages + i, tables, keys, keys, window, window.low};
+        touched[i] = draw_window(&d, covers + (size_t)page.view * blocks, page.level) ? 1u : 0u;
+    }
+}
+#else
+// The pages of a level that a triangle may cover.
+static TexelRectangle pages_of(TexelRectangle covered) {
+    return (TexelRectangle){covered.low >> PAGE_LOG2, covered.high >> PAGE_LOG2};
 }
 
-__kernel void virtual_map_small(VirtualPlan plan, DepthPass pass, __global const float* vertices,
-                                __global const MapView* level_views, __global const float* tables,
-                                __global const uint* requested, __global const uint* page_of,
-                                __global const MapView* pages, __global uint* touched, __global uint* keys,
-                                __global VirtualCounters* counters, __global uint2* pairs) {
-    for (uint level_view = 0; level_view < plan.view_count * plan.levels; ++level_view) {
-        uint first = page_entry(&plan, level_view / plan.levels, level_view % plan.levels, 0, 0);
-        uint across = plan.pages_across >> (level_view % plan.levels);
+// For each item of the group, the pages of all levels with requests that its triangle may cover: their number.
+static uint count_pages(const VirtualPlan* plan, Drawing* d, __global const MapView* level_views, uint view, uint id,
+                        __global const uint* page_of) {
+    Casters caster;
+    MapVertices h[3];
+    uint count = 0;
+    for (uint level = 0; level < plan->levels; ++level) {
+        uint first = page_entry(plan, view, level, 0, 0), across = plan->pages_across >> level;
         if (page_of[first] == page_of[first + across * across]) continue;  // no page of this level is requested
-        GN_FOR_EACH(i, pass.triangle_count) {
-            Caster caster;
-            if (load_caster(level_views + level_view, tables, vertices, &pass, (uint)i, &caster))
-                draw_into_pages(&plan, &pass, level_view, (uint)i, &caster, requested, page_of, pages, tables, touched,
-                                keys, counters, pairs);
+        d->view = level_views + view * plan->levels + level;
+        if (!load_one_caster(d, id, &caster, h)) return 0u;  // nor in any other level
+        count += texels_of(pages_of(covered_by(&caster.covered, 0)));
+    }
+    return count;
+}
+
+// The entry of the i-th of these pages.
+static uint entry_of_page(const VirtualPlan* plan, Drawing* d, __global const MapView* level_views, uint view, uint id,
+                          uint i, __global const uint* page_of) {
+    Casters caster;
+    MapVertices h[3];
+    for (uint level = 0; level < plan->levels; ++level) {
+        uint first = page_entry(plan, view, level, 0, 0), across = plan->pages_across >> level;
+        if (page_of[first] == page_of[first + across * across]) continue;
+        d->view = level_views + view * plan->levels + level;
+        load_one_caster(d, id, &caster, h);
+        TexelRectangle pages = pages_of(covered_by(&caster.covered, 0));
+        uint columns = pages.high.x - pages.low.x + 1u, here = texels_of(pages);
+        if (i < here) return page_entry(plan, view, level, pages.low.x + i % columns, pages.low.y + i / columns);
+        i -= here;
+    }
+    return NO_PAGE;
+}
+
+// Loads the triangle for a page; returns its part there.
+static TexelRectangle load_part(const VirtualPlan* plan, Drawing* d, __global const MapView* page_view, uint entry,
+                                uint id, Casters* caster) {
+    MapVertices h[3];
+    d->view = page_view;
+    TexelRectangle page = texels_of_page(page_of_entry(plan, entry));
+    d->home = page.low;
+    load_one_caster(d, id, caster, h);
+    make_casters(h, caster);
+    return common_texels(covered_by(&caster->covered, 0), page);
+}
+
+// Draws tiny parts of triangles in requested pages, and lists the other parts as pairs of triangle and entry. The group
+// shares out its triangles' pages evenly. An item draws a part that finds no room at once.
+__kernel void virtual_map_scatter(VirtualPass all, __global const float* vertices, __global const MapView* level_views,
+                                  __global const float* tables, __global const uint2* listed,
+                                  __global const uint* page_of, __global const MapView* pages, __global uint* touched,
+                                  __global uint* keys, __global VirtualCounters* counters, __global uint2* pairs,
+                                  __local uint2* owners) {
+    __local uint reserved[GROUP_APPEND_WORDS];
+    VirtualPlan plan = all.plan;
+    DepthPass pass = all.pass;
+    uint item = (uint)get_local_id(0), items = (uint)get_local_size(0), count = listed_count(&pass, listed);
+    __local uint* ends = (__local uint*)(owners + items);
+    if (item == 0u) reserved[0] = 0u;
+    Drawing d = {pass, triangles_of(vertices, pass.triangles), pages, tables, keys, keys};
+    d.reach = WHOLE_MAP;
+    GN_ROUNDS(round, count) {
+        uint i = index_in_round(round, count), wanted = 0u;
+        if (i < count) {
+            owners[item] = listed_triangle(&pass, listed, i);
+            wanted = count_pages(&plan, &d, level_views, owners[item].x, owners[item].y, page_of);
         }
+        scan_group(wanted, ends);
+        for (uint begin = 0, total = ends[items - 1u]; begin < total; begin += items) {
+            uint k = begin + item, entry = NO_PAGE, id = 0u;
+            if (k < total) {
+                uint owner = item_of_piece(ends, k), before = owner == 0u ? 0u : ends[owner - 1u];
+                id = owners[owner].y;
+                entry = entry_of_page(&plan, &d, level_views, owners[owner].x, id, k - before, page_of);
+            }
+            bool is_left = false;
+            Casters caster;
+            TexelRectangle part;
+            if (entry != NO_PAGE && page_of[entry] != page_of[entry + 1u]) {  // requested
+                uint page = page_of[entry];
+                if (GN_RELAXED_LOAD(&touched[page]) == 0) atomic_xchg(&touched[page], 1u);
+                part = load_part(&plan, &d, pages + page, entry, id, &caster);
+                is_left = texels_of(part) > TINY_TEXELS;
+                if (!is_left) draw_alone(&d, &caster, id, part);
+            }
+            uint at = append_in_group(is_left ? 1u : 0u, reserved, &counters->pairs);
+            if (is_left && at < pass.chunk_capacity)
+                pairs[at] = (uint2)(id, entry);
+            else if (is_left)
+                draw_alone(&d, &caster, id, part);
+        }
+        barrier(CLK_LOCAL_MEM_FENCE);
     }
 }
 
-// One work-group takes one pair, one work-item one tile of the pair's page.
-__kernel void virtual_map_large(VirtualPlan plan, DepthPass pass, __global const float* vertices,
-                                __global const float* tables, __global const uint* page_of,
-                                __global const MapView* pages, __global uint* keys,
+// A work-group takes one pair.
+__kernel void virtual_map_pairs(VirtualPass all, __global const float* vertices, __global const float* tables,
+                                __global const uint* page_of, __global const MapView* pages, __global uint* keys,
                                 __global const VirtualCounters* counters, __global const uint2* pairs) {
+    __local uint is_drawn[MOST_TILES];
+    DepthPass pass = all.pass;
+    Drawing d = {pass, triangles_of(vertices, pass.triangles), pages, tables, keys, keys};
+    d.reach = WHOLE_MAP;
     uint count = min(counters->pairs, pass.chunk_capacity);
     for (uint i = (uint)get_group_id(0); i < count; i += (uint)get_num_groups(0)) {
-        uint2 pair = pairs[i];
-        Page page = page_of_entry(&plan, pair.y);
-        __global const MapView* view = pages + page_of[pair.y];
-        Caster caster;
-        load_caster(view, tables, vertices, &pass, pair.x, &caster);
-        clip_to_page(&caster, (uint2)(page.column, page.row));
-        uint2 tiles = tiles_of(caster.covered);
-        for (uint t = (uint)get_local_id(0); t < tiles.x * tiles.y; t += (uint)get_local_size(0))
-            draw_tile(&pass, view, tables, &caster, (uint2)(t % tiles.x, t / tiles.x), keys, keys);
+        Casters caster;
+        TexelRectangle part = load_part(&all.plan, &d, pages + page_of[pairs[i].y], pairs[i].y, pairs[i].x, &caster);
+        draw_by_group(&d, &caster, pairs[i].x, part, 0, 0u, is_drawn);
     }
 }
+#endif
 
 __kernel void virtual_map_lookup(VirtualPlan plan, VirtualLight light, PointsLayout layout,
                                  __global const float* positions, __global const float* tables,

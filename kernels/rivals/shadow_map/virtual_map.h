@@ -18,7 +18,7 @@
 // the page's own texels fall into its PAGE_TEXELS words; first_texel may wrap, and sums are taken modulo 2^32.
 #pragma once
 
-#include "rivals/shadow_map/map_view.h"
+#include "rivals/rasterizer/depth_pass.h"
 
 #define PAGE_LOG2 7u
 #define PAGE_SIZE (1u << PAGE_LOG2)
@@ -35,6 +35,12 @@ GN_STRUCT_BEGIN(VirtualPlan)
     uint level;             // without a camera
     float receiver_bias;    // depth; subtracted from the receiver's depth
 GN_STRUCT_END(VirtualPlan, 32)
+
+// A pass over the pages.
+GN_STRUCT_BEGIN(VirtualPass)
+    DepthPass pass;
+    VirtualPlan plan;
+GN_STRUCT_END(VirtualPass, 80)
 
 // One light of a run.
 GN_STRUCT_BEGIN(VirtualLight)

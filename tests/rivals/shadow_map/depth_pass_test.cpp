@@ -3,6 +3,10 @@
 // of view; no cracks; second layers; slopes.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <tuple>
+
+#include "occluders/clusters.hpp"
 #include "support/map_scenes.hpp"
 
 namespace {
@@ -169,14 +173,210 @@ TEST(DepthPass, NoCracksAlongEdgesThroughCentres) {
     }
 }
 
+// ---- The same bits as a loop over all texels and triangles ----------------------------------------------------------
+
+struct Vertex {
+    float x, y, z, depth;  ///< (u w, v w, w, depth)
+};
+
+float row_at(const gnomon::float4& row, const Float3& q) {
+    return row.values[0] * q[0] + row.values[1] * q[1] + row.values[2] * q[2] + row.values[3];
+}
+
+/// The contract's edge function (depth_pass.h) in float, along u and v.
+struct Edge {
+    float slope_u, slope_v, at_u, at_v;
+};
+
+Edge edge_of(Vertex a, Vertex b) {
+    const auto order = [](const Vertex& v) { return std::tuple(-std::fabs(v.z), v.x, v.y, v.z); };
+    float sign = 1;
+    if (!(order(a) < order(b))) {
+        std::swap(a, b);
+        sign = -1;
+    }
+    const float u = a.x / a.z, v = a.y / a.z;
+    return {-sign * a.z * (b.y - v * b.z), sign * a.z * (b.x - u * b.z), u, v};
+}
+
+/// A triangle's edge functions and depths in a view.
+struct ReferenceCaster {
+    Edge edges[3];
+    float depth[3], n_u = 0, n_v = 0, s_u = 0, s_v = 0;
+};
+
+std::vector<ReferenceCaster> reference_casters(const Floats& triangles, const gnomon::MapView& view) {
+    std::vector<ReferenceCaster> casters;
+    for (std::size_t t = 0; t < triangles.size() / 9; ++t) {
+        Vertex h[3];
+        for (std::size_t k = 0; k < 3; ++k) {
+            Float3 q;
+            for (std::size_t c = 0; c < 3; ++c) q[c] = triangles[9 * t + 3 * k + c] - view.origin.values[c];
+            h[k] = {row_at(view.row_u, q), row_at(view.row_v, q), row_at(view.row_w, q), row_at(view.row_depth, q)};
+        }
+        if (std::min({h[0].depth, h[1].depth, h[2].depth}) >= 1) continue;
+        ReferenceCaster& c = casters.emplace_back();
+        for (int i = 0; i < 3; ++i) {
+            c.edges[i] = edge_of(h[(i + 1) % 3], h[(i + 2) % 3]);
+            c.depth[i] = h[i].depth;
+            c.n_u += c.edges[i].slope_u * h[i].depth, c.n_v += c.edges[i].slope_v * h[i].depth;
+            c.s_u += c.edges[i].slope_u, c.s_v += c.edges[i].slope_v;
+        }
+    }
+    return casters;
+}
+
+struct ReferenceHit {
+    float depth, squared_slope;
+};
+
+/// Hits of the casters at (u, v), with the bias. All texels have one length.
+std::vector<ReferenceHit> hits_at(const std::vector<ReferenceCaster>& casters, float front_depth, float u, float v,
+                                  float texel_u, float texel_v, const gnomon::DepthBias& bias) {
+    std::vector<ReferenceHit> hits;
+    for (const ReferenceCaster& c : casters) {
+        float e[3];
+        for (int i = 0; i < 3; ++i)
+            e[i] = c.edges[i].slope_u * (u - c.edges[i].at_u) + c.edges[i].slope_v * (v - c.edges[i].at_v);
+        if (std::min({e[0], e[1], e[2]}) < 0 && std::max({e[0], e[1], e[2]}) > 0) continue;
+        const float reciprocal = 1 / (e[0] + e[1] + e[2]);
+        float depth = (e[0] * c.depth[0] + e[1] * c.depth[1] + e[2] * c.depth[2]) * reciprocal;
+        if (!(depth > front_depth)) continue;
+        const float slope_u = std::min(std::fabs((c.n_u - depth * c.s_u) * reciprocal) * texel_u, 1.0f);
+        const float slope_v = std::min(std::fabs((c.n_v - depth * c.s_v) * reciprocal) * texel_v, 1.0f);
+        if (bias.slope != 0) depth += std::min(bias.slope * std::max(slope_u, slope_v), bias.slope_limit);
+        hits.push_back({std::clamp(depth, 0.0f, 1.0f), slope_u * slope_u + slope_v * slope_v});
+    }
+    return hits;
+}
+
+/// Leaves and walls: small, middling and large triangles, many behind others, some before the near plane.
+Floats layers(std::uint64_t seed, std::size_t count) {
+    Random random(seed);
+    Floats triangles;
+    for (std::size_t i = 0; i < count; ++i) {
+        const float size = i % 16 == 0 ? 1.0f : i % 4 == 0 ? 0.1f : 0.015f;
+        const Float3 center{random.between(0, 1), random.between(0, 1), random.between(-0.3f, 1)};
+        for (int k = 0; k < 3; ++k) {
+            Float3 v = random_vector(random, -size, size);
+            v[2] *= 0.3f;
+            for (int c = 0; c < 3; ++c) v[c] += center[c];
+            add(triangles, v);
+        }
+    }
+    return triangles;
+}
+
+/// Of several windows; sides are powers of two, so that all texels have one length.
+std::vector<ViewCase> views_of_windows() {
+    return {straight_view(256, 128), projective_view(256, 128, 1), projective_view(128, 256, -1),
+            perspective_view(256, 256)};
+}
+
+TEST(DepthPass, EqualsReference) {
+    const gnomon::Device device = device_with();
+    gnomon::cl::Session& session = session_of(device);
+    const Floats triangles = layers(3, 700);
+    gnomon::DepthBias slope;
+    slope.slope = 2;
+    slope.slope_limit = 0.01f;
+    for (const gnomon::DepthBias& bias : {gnomon::DepthBias{}, slope}) {
+        auto cases = views_of_windows();
+        const gnomon::MapViews map_views = uploaded_views(session, cases);
+        const Triangles inputs = uploaded_triangles(session, triangles);
+        gnomon::DepthMap depths;
+        depths.run(session, inputs.inputs, map_views, bias, true);
+        const auto keys = depths_of(session, depths.keys(), map_views.set.texels);
+        const auto slopes = depths_of(session, depths.slopes(), map_views.set.texels);
+        for (const ViewCase& c : cases) {
+            const auto casters = reference_casters(triangles, c.view);
+            const float texel_u = 1.0f / float(c.view.width), texel_v = 1.0f / float(c.view.height);
+            std::size_t wrong = 0;
+            for (std::uint32_t i = 0; i < c.view.width * c.view.height; ++i) {
+                const float u = (float(i % c.view.width) + 0.5f) * texel_u;
+                const float v = (float(i / c.view.width) + 0.5f) * texel_v;
+                float nearest = 1, steepest = 0;
+                const auto hits = hits_at(casters, c.view.front_depth, u, v, texel_u, texel_v, bias);
+                for (const ReferenceHit& hit : hits) nearest = std::min(nearest, hit.depth);
+                for (const ReferenceHit& hit : hits)
+                    if (hit.depth == nearest && nearest < 1) steepest = std::max(steepest, hit.squared_slope);
+                const std::size_t at = c.view.first_texel + i;
+                wrong += keys[at] != nearest || slopes[at] != steepest;
+            }
+            EXPECT_EQ(wrong, 0u) << c.name << ", bias " << bias.slope;
+        }
+    }
+}
+
+// The second layer is the nearest key after the first.
+TEST(DepthPass, SecondLayersEqualReference) {
+    const Floats triangles = layers(4, 300);
+    std::vector<ViewCase> cases{straight_view(256, 128)};
+    gnomon::DepthBias bias;
+    bias.dual_limit = 1;
+    const std::vector<float> depths = drawn(device_with(), cases, triangles, bias);
+    const auto casters = reference_casters(triangles, cases[0].view);
+    std::size_t wrong = 0;
+    for (std::uint32_t i = 0; i < 256 * 128; ++i) {
+        float first = 1, second = 1;
+        const float u = (float(i % 256) + 0.5f) / 256, v = (float(i / 256) + 0.5f) / 128;
+        const auto hits = hits_at(casters, cases[0].view.front_depth, u, v, 1.0f / 256, 1.0f / 128, {});
+        for (const ReferenceHit& hit : hits) first = std::min(first, hit.depth);
+        for (const ReferenceHit& hit : hits)
+            if (hit.depth > first) second = std::min(second, hit.depth);
+        wrong += depths[i] != first + std::min(0.5f * (second - first), 1.0f);
+    }
+    EXPECT_EQ(wrong, 0u);
+}
+
+// Clusters here and there: in the views, across their borders, beside, before and behind them.
+TEST(DepthPass, BoxesOfClustersChangeNothing) {
+    const gnomon::Device device = device_with();
+    gnomon::cl::Session& session = session_of(device);
+    Random random(6);
+    Floats triangles;
+    for (int swarm = 0; swarm < 300; ++swarm) {
+        const Float3 center{random.between(-0.5f, 1.5f), random.between(-0.5f, 1.5f), random.between(-0.5f, 1.5f)};
+        for (std::uint32_t i = 0; i < CLUSTER_TRIANGLES; ++i)
+            for (int k = 0; k < 3; ++k) {
+                Float3 v = random_vector(random, -0.04f, 0.04f);
+                for (int c = 0; c < 3; ++c) v[c] += center[c];
+                add(triangles, v);
+            }
+    }
+    auto cases = view_cases(200, 150);
+    const std::vector<float> plain = drawn(device, cases, triangles);
+    const gnomon::MapViews map_views = uploaded_views(session, cases);
+    Triangles inputs = uploaded_triangles(session, triangles);
+    const gnomon::Clusters clusters(device, inputs.inputs);
+    inputs.inputs.clusters = &clusters;
+    gnomon::DepthMap depths;
+    depths.run(session, inputs.inputs, map_views, {}, false);
+    EXPECT_EQ(plain, depths_of(session, depths.keys(), map_views.set.texels));
+}
+
+TEST(DepthPass, SurvivesDegenerates) {
+    constexpr float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
+    const Floats sound = layers(7, 200);
+    Floats all = sound;
+    for (const float bad : {nan, infinity, -infinity}) add(all, {0, 0, bad}, {1, 0, 0.1f}, {0, 1, 0.1f});
+    add(all, {0.5f, 0.5f, 0.1f}, {0.5f, 0.5f, 0.1f}, {0.5f, 0.5f, 0.1f});  // a point
+    add(all, {0.3f, 0.2f, 0.1f}, {0.3f, 0.2f, 0.5f}, {0.3f, 0.2f, 0.9f});  // along the light
+    add(all, {0, 0, 3}, {1, 0, 2}, {0, 1, 3});                             // behind all receivers
+    add(all, {5, 0, 0.1f}, {6, 0, 0.1f}, {5, 1, 0.1f});                    // beside the map
+    std::vector<ViewCase> cases{straight_view(256, 128)};
+    EXPECT_EQ(drawn(device_with(), cases, all), drawn(device_with(), cases, sound));
+}
+
 TEST(DepthPass, OrderAndGroupSizeDoNotMatter) {
-    const Floats triangles = casters(9);
+    Floats triangles = casters(9), more = layers(9, 500);
+    triangles.insert(triangles.end(), more.begin(), more.end());
     std::vector<float> first;
     for (const std::uint32_t group : {0u, 1u, 7u, 33u}) {
         Floats shuffled;
         for (const std::uint32_t t : shuffled_order(triangles.size() / 9, group))
             shuffled.insert(shuffled.end(), triangles.begin() + 9 * t, triangles.begin() + 9 * t + 9);
-        auto cases = view_cases(64, 64);
+        auto cases = view_cases(150, 140);
         const std::vector<float> depths = drawn(device_with(group), cases, shuffled);
         if (first.empty()) first = depths;
         EXPECT_EQ(first, depths) << "group size " << group;

@@ -19,7 +19,8 @@
 // Depth at P: (sum of e_i d_i) / (sum of e_i), a convex combination: never outside the triangle's own range.
 #pragma once
 
-#include "rivals/shadow_map/map_view.h"
+#include "occluders/clusters.h"
+#include "rivals/rasterizer/map_view.h"
 
 #define EMPTY_KEY 0x3F800000u  // the bits of 1.0f
 
@@ -28,17 +29,33 @@
 #define PASS_SECOND 1u   // the nearest key after the first one (dual depth layers)
 #define PASS_SLOPE 2u    // of the nearest caster: squared depth per texel, dx^2 + dy^2, as float bits (moment bias)
 
-// If a triangle's bounding rectangle has more texels than this, it is split into chunks of tiles.
+// A CPU's work-item owns a window, a square of texels, and draws all that lies in it: no two items write one texel.
+// Clusters of CLUSTER_TRIANGLES neighbours (occluders/clusters.h) whose casters miss a window cost it one comparison.
+// On a GPU an item draws a tiny caster at once; others are cut into chunks of 2^CHUNK_LOG2 texels a side for
+// work-groups, and texels take atomic minima. Both give a texel the same key, since a key is the minimum over all
+// casters.
+#define WINDOW_LOG2 7u
+#define CHUNK_LOG2 6u
+#define TILE_LOG2 4u  // tiles of large casters have texels of one length each
+// If a caster's bounding rectangle has more texels than this, it is large.
 #define SMALL_TEXELS 256u
-#define TILE_LOG2 4u
-#define CHUNK_TILES 64u
+// A GPU's item draws so many texels of a caster at once.
+#define TINY_TEXELS 64u
 
 GN_STRUCT_BEGIN(DepthPass)
-    ulong first_float;  // where the triangles begin in their buffer
-    uint triangle_count;
+    TrianglesLayout triangles;
+    uint cluster_count;
+    uint has_boxes;   // 0: the clusters' boxes are not known
+    uint view_count;  // of virtual maps: of the finest levels' grids
+    uint view_step;   // between these views in their buffer
     uint pass;
-    uint view_index;      // the view that depth_pass.cl draws
-    uint chunk_capacity;  // of depth_pass.cl; for virtual_map.cl, of its pairs
+    uint chunk_capacity;  // of a GPU's list
     float slope_bias;     // times max(|dz/dx|, |dz/dy|), depth per texel
     float slope_limit;    // the slope-scaled part is at most this
-GN_STRUCT_END(DepthPass, 32)
+GN_STRUCT_END(DepthPass, 48)
+
+#ifndef __cplusplus
+
+static bool has_slopes(const DepthPass* pass) { return pass->slope_bias != 0.0f || pass->pass == PASS_SLOPE; }
+
+#endif
