@@ -126,9 +126,10 @@ must_catch kernels/trace/trace.cl "$(repeated 450 '//')"
 must_catch kernels/exact/wide.clh "$(repeated 450 '//')"
 must_accept kernels/exact/wide.clh "$(repeated 447 '//')"
 all_wings=$(printf '%s 99\n' app cl exact include root)
-must_accept tools/check_layout/budgets.txt "$all_wings"$'\ntrace 99'
-must_catch tools/check_layout/budgets.txt "$all_wings"$'\ntrace 7' 'trace: 13 lines, 7 allowed'
-must_catch tools/check_layout/budgets.txt "$all_wings" 'trace: no budget'
+must_accept tools/check_layout/budgets.txt "$all_wings"$'\ncore 9999\ntrace 99'
+must_catch tools/check_layout/budgets.txt "$all_wings"$'\ncore 9999\ntrace 7' 'trace: 13 lines, 7 allowed'
+must_catch tools/check_layout/budgets.txt "$all_wings"$'\ncore 9999' 'trace: no budget'
+must_catch tools/check_layout/budgets.txt "$all_wings"$'\ncore 12\ntrace 99' 'core: 43 lines, 12 allowed'
 for head in 'int f(int a)' 'static void f(uint a, __global uint* b)' 'Stage::Stage() : a_{1}, b_(2)' 'auto f() -> int' \
             'template <typename T> int f(T a = {})' 'namespace x { struct Y { bool operator==(int a) const'; do
     must_catch host/trace/trace.hpp "$(function_of 61 "$head")"
