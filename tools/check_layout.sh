@@ -100,7 +100,7 @@ lines_matching "^tests/reference/.*$source" '^\s*#\s*include\s*<(gnomon|cl/|CL/|
     complain 'tests/reference includes nothing of host/ or kernels/'
 
 # Answers are equal or wrong: a tolerance has its place where floats approximate (shadow maps, means, pictures).
-lines_matching '^tests/(exact|simd|lists|receivers|occluders|camera/camera|trace|prepared|golden|techniques)[/_][^/]*\.(cpp|hpp)$' \
+lines_matching '^tests/(exact|simd|lists|receivers|occluders|camera/camera|trace|prepared|golden|technique|rivals)[/_][^/]*\.(cpp|hpp)$' \
     '\b(EXPECT|ASSERT)_(NEAR|FLOAT_EQ|DOUBLE_EQ)\b|(?i)\b\w*(epsilon|tolerance)\w*\b' |
     complain 'tests of exact stages use no tolerance'
 

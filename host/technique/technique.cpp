@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The public functions: devices, techniques by their names (technique/registered.hpp lists them), and their runs.
+// The public functions: techniques by their names (technique/registered.hpp), and their runs.
 #include <gnomon.hpp>
 
 #include <algorithm>
@@ -13,7 +13,6 @@
 #include "technique/registered.hpp"
 
 namespace gnomon {
-
 namespace {
 
 struct Register {
@@ -125,12 +124,13 @@ std::vector<std::uint8_t> Technique::draw_diagnostic(std::string_view name, cons
 }
 
 std::unique_ptr<Technique> make_technique(std::string_view name, const Device& device) {
+    const std::vector<Registered> all = all_registered();
     std::string names;
-    for (const Registered& r : all_registered()) {
+    for (const Registered& r : all) {
         if (r.description.name == name) return r.make(device);
         names += (names.empty() ? "" : ", ") + r.description.name;
     }
-    if (all_registered().size() == 1) names += ", and after gnomon::add_rivals() the classic ones";
+    if (all.size() == 1) names += ", and after gnomon::add_rivals() the classic ones";
     throw InvalidArgument("no technique is named \"" + std::string(name) + "\": there are " + names);
 }
 

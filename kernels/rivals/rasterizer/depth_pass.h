@@ -39,7 +39,7 @@
 #define TILE_LOG2 4u  // tiles of large casters have texels of one length each
 // If a caster's bounding rectangle has more texels than this, it is large.
 #define SMALL_TEXELS 256u
-// A GPU's item draws so many texels of a caster at once.
+// A GPU's item draws a caster with at most this number of texels at once.
 #define TINY_TEXELS 64u
 
 GN_STRUCT_BEGIN(DepthPass)

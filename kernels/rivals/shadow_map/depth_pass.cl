@@ -78,7 +78,7 @@ __kernel void depth_pass_windows(DepthPass pass, __global const float* vertices,
             windows = windows_of(views + ++v);
         }
         uint2 low = (uint2)(window % windows.x, window / windows.x) << WINDOW_LOG2;
-        TexelRectangle square = {low, low + (1u << WINDOW_LOG2) - 1u};
+        TexelRectangle square = square_of_texels(low, WINDOW_LOG2);
         Drawing d = {pass,   triangles_of(vertices, pass.triangles),       views + v, tables, nearest,
                      output, common_texels(square, whole_view(views + v)), (uint2)(0)};
         draw_window(&d, covers + v * blocks, 0u);
@@ -89,7 +89,7 @@ __kernel void depth_pass_windows(DepthPass pass, __global const float* vertices,
 // ---- A GPU: tiny casters at once, chunks of the others --------------------------------------------------------------
 
 #ifndef GN_CPU
-// Of a list's entry: the view above the chunk.
+// An entry of the list has the view above this bit, and the chunk below it.
 #define VIEW_SHIFT 22u
 
 // Lists (view, cluster) of the clusters that may cast something into a view. listed[0].x: 0 before.

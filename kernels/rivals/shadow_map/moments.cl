@@ -13,7 +13,7 @@ static float4 optimised_moments(float z) {
                     9.7924062118f * m.x - 33.7652110555f * m.y + 47.9456096605f * m.z - 23.9728048165f * m.w);
 }
 
-// Of a quantity in [0, 1]; the moment bias is its variance within a texel.
+// The second moment of a quantity in [0, 1] within a texel; the moment bias is its variance there.
 static float second_moment(float mean, float bias) { return mean * mean + fmin(bias, mean * (1.0f - mean)); }
 
 __kernel void moments_fill(StorePlan plan, MapSet set, __global const float* depths, __global const float* slopes,

@@ -75,8 +75,7 @@ __kernel void virtual_map_pages(VirtualPlan plan, __global const MapView* level_
 }
 
 static TexelRectangle texels_of_page(Page page) {
-    uint2 low = (uint2)(page.column, page.row) << PAGE_LOG2;
-    return (TexelRectangle){low, low + PAGE_SIZE - 1u};
+    return square_of_texels((uint2)(page.column, page.row) << PAGE_LOG2, PAGE_LOG2);
 }
 
 #ifdef GN_CPU
