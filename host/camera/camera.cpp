@@ -263,7 +263,10 @@ void CameraStage::make_points(const CameraParams& params, const PointSlice& out,
 
 void CameraStage::run(SampleOffset offset, cl_mem pixel_receivers, const PointSlice& out, Statistics& statistics) {
     const CameraParams params = params_of(offset, pixel_receivers != nullptr, out);
-    session_.upload(rays_, camera_rays(camera_, width_, height_, offset));
+    if (std::vector<float> rays = camera_rays(camera_, width_, height_, offset); rays != written_rays_) {
+        session_.upload(rays_, rays);
+        written_rays_ = std::move(rays);
+    }
     fitted_ = fitted_ || triangles_.count == 0;
     // Lists grow until they fit. The host reads the counters after it has enqueued all stages, so that the device does
     // not wait; where a list was too short, the kernels see it and do nothing.
@@ -370,10 +373,10 @@ Points lift(const Device& device, const Triangles& triangles, const Points& poin
                                   Internals::receivers(points));
 }
 
-cl::Buffer camera_normals(const Device& device, const Triangles& triangles, const View& view) {
+void camera_normals(const Device& device, const Triangles& triangles, const View& view, cl::Buffer& normals) {
     cl::Session& session = session_of(device);
     const TriangleInputs inputs = triangle_inputs(triangles);
-    cl::Buffer normals(session, view.points.count() * 3 * sizeof(float));
+    normals.reserve(session, view.points.count() * 3 * sizeof(float));
     CameraParams params{};
     params.triangles = inputs;
     std::copy_n(view.points.camera()->camera.eye.begin(), 3, params.eye);
@@ -381,13 +384,13 @@ cl::Buffer camera_normals(const Device& device, const Triangles& triangles, cons
     params.height = view.height;
     session.launch("camera/camera.cl", "camera_normals", cl::Range::items(view.points.count()), params, inputs.vertices,
                    view.points.receivers(), normals);
-    return normals;
 }
 
 ViewOnHost View::read(const Device& device, const Triangles& triangles) const {
     PointsOnHost on_host = points.read(device);
     ViewOnHost host{std::move(on_host.position), {}, std::move(on_host.receiver)};
-    const cl::Buffer normals = camera_normals(device, triangles, *this);
+    cl::Buffer normals;
+    camera_normals(device, triangles, *this, normals);
     host.normal.resize(host.position.size());
     session_of(device).read(normals.get(), host.normal.data(), host.normal.size() * sizeof(float));
     for (std::size_t i = 0; i < host.receiver.size(); ++i)

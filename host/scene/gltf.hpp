@@ -131,6 +131,7 @@ struct MaterialSource {
     bool has_transform = false;
     TextureWrap wrap_u = TextureWrap::repeat, wrap_v = TextureWrap::repeat;
     TextureFilter filter = TextureFilter::linear;
+    TextureMinification minification = TextureMinification::mean;
     int image = -1;          ///< of `images`; -1: there is none that can be read
     std::string unreadable;  ///< why
 };

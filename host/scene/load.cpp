@@ -544,6 +544,7 @@ private:
         use.wrap_u = source.wrap_u;
         use.wrap_v = source.wrap_v;
         use.filter = source.filter;
+        use.minification = source.minification;
         use.weigh_by_alpha = source.is_mask || source.is_blend;
     }
 

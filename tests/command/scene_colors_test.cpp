@@ -85,6 +85,19 @@ TEST_F(SceneColorsFile, ATextureIsLoaded) {
     EXPECT_TRUE(without.warnings.empty());
 }
 
+TEST_F(SceneColorsFile, MinificationIsThatOfTheSampler) {
+    const auto of = [&](const std::string& sampler) {
+        Gltf gltf = textured_file();
+        gltf.set("/samplers", "[{" + sampler + "}]");
+        return load(gltf, with_colors).colors.texture_uses.at(0).minification;
+    };
+    EXPECT_EQ(of(R"("minFilter": 9728)"), TextureMinification::nearest);
+    EXPECT_EQ(of(R"("minFilter": 9729)"), TextureMinification::linear);
+    for (int with_levels = 9984; with_levels <= 9987; ++with_levels)
+        EXPECT_EQ(of("\"minFilter\": " + std::to_string(with_levels)), TextureMinification::mean);
+    EXPECT_EQ(of(R"("magFilter": 9728)"), TextureMinification::mean);
+}
+
 TEST_F(SceneColorsFile, ImagesOfAllKindsGiveRgba) {
     const auto rgba = [&](const char* png) { return load(textured_file(png), with_colors).colors.images->at(0).rgba; };
     EXPECT_EQ(rgba(png_grey_alpha), (std::vector<std::uint8_t>{77, 77, 77, 255, 200, 200, 200, 3}));
