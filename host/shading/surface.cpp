@@ -121,9 +121,9 @@ Surfaces::Surfaces(const Device& device, const Triangles& triangles, const View&
     const Shown shown = shown_by(session, view.points.receivers(), view.points.count(), triangles.count());
     cl::Buffer slots;
     session.upload(slots, shown.slots);
-    constexpr std::uint32_t most_left_out = 16;
+    constexpr std::uint32_t max_left_out = 16;
     const SurfaceArrays arrays(device, gathered(shown, materials, detail).arrays(), materials, detail, kept,
-                               most_left_out);
+                               max_left_out);
     inside_ = surfaces_of(device, triangles, view, tables, &arrays, slots.get(), buffers);
     session.finish();  // the arrays' memory is free again
 }

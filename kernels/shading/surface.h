@@ -27,7 +27,7 @@
 #define SURFACE_MINIFY_NEAREST 2u
 
 // The most probes of a pixel, each trilinear, along its longer axis.
-#define SURFACE_MOST_PROBES 16
+#define SURFACE_MAX_PROBES 16
 
 GN_STRUCT_BEGIN(SurfaceParams)
     TrianglesLayout triangles;
@@ -42,8 +42,8 @@ GN_STRUCT_END(SurfaceParams, 80)
 
 GN_STRUCT_BEGIN(SurfaceMaterial)
     float base_color[3];
-    uint is_nearest;    // 1: magnified texels are squares
-    ulong first_texel;  // of the texture
+    uint is_nearest;     // 1: magnified texels are squares
+    ulong first_texel;   // of the texture
     uint width, height;  // of its first level; 0: there is no texture
     uint wrap_u, wrap_v;
     uint minification;  // as in TextureMinification

@@ -20,9 +20,9 @@ struct ColorTexture {
     std::uint32_t width = 0, height = 0;
     std::span<const std::uint8_t> rgba;
 };
-/// How texels smaller than pixels are filtered: over the pixel's area, through all levels of half the size (as trilinear
-/// filters do, along the area's longer axis); or, at the pixel's centre alone, the bilinear mean of four texels or the
-/// nearest one.
+/// How texels smaller than pixels are filtered: over the pixel's area, through all levels of half the size (as
+/// trilinear filters do, along the area's longer axis); or, at the pixel's centre alone, the bilinear mean of four
+/// texels or the nearest one.
 enum class TextureMinification : std::uint8_t { mean, linear, nearest };
 /// How a material takes its texture. Its colours are filtered in linear light; `filter` is for texels larger than
 /// pixels.
@@ -93,7 +93,7 @@ public:
     cl_mem normals() const;                 ///< the shading normals, 3 floats per pixel
     std::uint64_t texture_bytes() const;    ///< device memory of the textures
     std::uint32_t left_out_levels() const;  ///< the finest ones, of each texture; 0: none
-    SurfacesOnHost read() const;
+    SurfacesOnHost read() const;            ///< waits until the device has made them, and copies them
 
     struct Inside;  ///< for the library's own use
     const Inside& inside() const { return *inside_; }
