@@ -442,6 +442,25 @@ void bind_views(nb::module_& m) {
               });
               return numpy_of(std::move(rgba), {height, width, 4});
           });
+    m.def("smooth_picture",
+          [](const gnomon::Appearance& appearance, gnomon::Technique& technique, const gnomon::Triangles& triangles,
+             const View& view, const std::array<float, 4>& light, std::uint32_t samples) {
+              const std::size_t height = view.height, width = view.width;
+              std::vector<std::uint8_t> rgba = released([&] {
+                  const gnomon::Device& device = technique.device();
+                  const gnomon::Light one = light_of(light);
+                  gnomon::SampleViews views(device, triangles, view, samples);
+                  gnomon::PictureMean mean(device, view.points.count(), samples);
+                  const gnomon::Visibility visibility(device, view.points.count());
+                  for (std::size_t i = 0; i < views.count(); ++i) {
+                      const View at = views.at(i);
+                      technique.run(triangles, at.points, one, visibility);
+                      mean.add(appearance.surfaces(triangles, at), {&visibility, 1}, {&one, 1});
+                  }
+                  return mean.read();
+              });
+              return numpy_of(std::move(rgba), {height, width, 4});
+          });
 }
 
 #ifdef GNOMON_PYTHON_GLTF
