@@ -423,6 +423,10 @@ void bind_views(nb::module_& m) {
             gnomon::run_samples(technique, triangles, view, light_of(light), samples, mean);
         },
         Released());
+}
+
+void bind_pictures(nb::module_& m) {
+    using gnomon::View;
     nb::class_<gnomon::Appearance>(m, "Appearance")
         .def_static("upload", [](const gnomon::Device& device, const Ids& triangle_material,
                                  const std::vector<gnomon::Float3>& base_color) {
@@ -571,5 +575,6 @@ NB_MODULE(_gnomon, m) {
     bind_made_lights(m);
     bind_lattice(m);
     bind_views(m);
+    bind_pictures(m);
     bind_scenes(m);
 }
