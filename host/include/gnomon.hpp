@@ -73,7 +73,7 @@
 //   run_mean                         always
 //   run_samples                      always
 //   run_samples_mean                 always
-//   SampleViews::SampleViews         large
+//   SampleViews::SampleViews         always
 //   SampleViews::at                  always
 //   run_in_parts                     always
 //   look_in_parts                    always
