@@ -34,7 +34,7 @@ LightsTraits traits_of(const TableRun& table, bool can_be_bundled) {
             .are_point_lights = !run.lights.lights().front().is_directional()};
 }
 
-double widest_bundle(const TableRun& table) {
+void describe_bundles(LightsTraits& traits, const TableRun& table) {
     double widest = 0;
     for (const LightBundle& bundle : table.bundles.coned().bundles) {
         const LightCone& cone = bundle.cones[0];
@@ -42,7 +42,9 @@ double widest_bundle(const TableRun& table) {
         const glm::dvec3 squares = across * across + along * along;
         widest = std::max(widest, std::sqrt(squares.x + squares.y + squares.z));
     }
-    return table.bundles.coned().are_positions ? widest / table.run.largest_coordinate() : widest;
+    const LightBundles& coned = table.bundles.coned();
+    traits.widest_bundle = coned.are_positions ? widest / table.run.largest_coordinate() : widest;
+    traits.lights_per_bundle = double(traits.lights) / double(coned.bundles.size());
 }
 
 MethodCache::Key key_of(const LightsRun& run) {
@@ -84,6 +86,7 @@ LightsMethod LightTables::automatic_method(TableRun& table, bool can_be_bundled)
     MethodCache::Key key = key_of(table.run);
     if (const auto found = methods_.find(key)) return *found;
     LightsTraits traits = traits_of(table, can_be_bundled);
+    if (traits.is_cpu && wants_bundles(traits)) describe_bundles(traits, table);
     if (wants_height_field(traits)) {
         try {
             find_field(table);
@@ -91,7 +94,7 @@ LightsMethod LightTables::automatic_method(TableRun& table, bool can_be_bundled)
         }
         traits.is_height_field = table.field != nullptr;
     }
-    if (wants_widest_bundle(traits)) traits.widest_bundle = widest_bundle(table);
+    if (!traits.is_cpu && wants_bundles(traits)) describe_bundles(traits, table);
     LightsCosts costs;
     for (const LightsMethod method : methods_to_measure(traits)) costs[method] = measured_ms(method, table);
     const LightsMethod chosen = choose_method(traits, costs);

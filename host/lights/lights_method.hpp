@@ -26,6 +26,14 @@ struct LightsTuning {
     std::size_t min_shared_lights = 4;
     /// Fewer pairs take some milliseconds by beams, and a sample of them as long (two cores, dba3afc).
     std::size_t min_measured_pairs = std::size_t(1) << 20;
+    /// Directional lights with fewer lights than this in a bundle, on average, are scattered, and so are point lights
+    /// in boxes of at least this share of the largest coordinate: packets were the fastest for all points but
+    /// pictures'. 40 suns of a year, 1.8 in a bundle, on a town, Sponza, lost_empire and a terrain of 2 million: beams
+    /// take 1.17 to 1.45 times as long (two cores, AVX-512, 130dda7).
+    double cpu_scattered_lights = 4, cpu_scattered_box = 0.25;
+    /// Fewer scattered lights than this have sectors of one or two lights each: horizons of a terrain took twice the
+    /// time of packets for 40 suns (two cores, 130dda7).
+    std::size_t cpu_sector_lights = 64;
     /// Pairs of each triangle from which on a height field is searched for: that takes as long as to decide some
     /// (H200, ec9c821).
     std::size_t min_field_pairs_per_triangle = 8;
@@ -75,7 +83,9 @@ struct LightsTraits {
     bool can_be_bundled = true;     ///< the lights are of one kind, and all coordinates are in the filter's range
     bool are_point_lights = false;  ///< else they are directional
     bool is_height_field = false;   ///< set where wants_height_field()
-    /// Set where wants_widest_bundle(): half the diagonal of the widest bundle, of directions of length 1, or of
+    /// Set where wants_bundles(): the mean number of lights in a bundle.
+    double lights_per_bundle = std::numeric_limits<double>::infinity();
+    /// Set where wants_bundles(): half the diagonal of the widest bundle, of directions of length 1, or of
     /// positions as a share of the largest coordinate.
     double widest_bundle = std::numeric_limits<double>::infinity();
 };
@@ -94,8 +104,8 @@ private:
 
 /// Whether the choice depends on whether the triangles are a height field.
 bool wants_height_field(const LightsTraits& traits);
-/// Whether the choice depends on how wide bundles are.
-bool wants_widest_bundle(const LightsTraits& traits);
+/// Whether the choice depends on how wide and full bundles are. On a CPU wants_height_field() depends on that, too.
+bool wants_bundles(const LightsTraits& traits);
 /// The methods whose costs the choice depends on; none where a rule decides.
 std::vector<LightsMethod> methods_to_measure(const LightsTraits& traits);
 /// The method that takes the least time by rule, or else by these costs. Never `automatic`.
