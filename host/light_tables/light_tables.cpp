@@ -22,14 +22,13 @@ const char* missing_for_tree(const BvhRun& run) {
                           ": use many-lights=auto");
 }
 
-LightsTraits traits_of(const TableRun& table, bool can_be_bundled) {
-    const BvhRun& run = table.run;
+LightsTraits traits_of(const LightsRun& run, const Triangles& given, bool can_be_bundled) {
     return {.is_cpu = session_of(run.device).is_cpu(),
             .points = run.points.count(),
             .lights = run.lights.count(),
             .triangles = run.triangles.count(),
             .is_picture = run.points.camera().has_value(),
-            .keeps_clusters = Internals::clusters(table.given) != nullptr,
+            .keeps_clusters = Internals::clusters(given) != nullptr,
             .can_be_bundled = can_be_bundled,
             .are_point_lights = !run.lights.lights().front().is_directional()};
 }
@@ -82,10 +81,14 @@ Statistics LightTables::run(Technique& one_light, const LightsRun& given, Lights
     return measured.finish();
 }
 
+bool LightTables::wants_tree(const LightsRun& given) {
+    return gnomon::wants_tree(traits_of(given, given.triangles, true));
+}
+
 LightsMethod LightTables::automatic_method(TableRun& table, bool can_be_bundled) {
     MethodCache::Key key = key_of(table.run);
     if (const auto found = methods_.find(key)) return *found;
-    LightsTraits traits = traits_of(table, can_be_bundled);
+    LightsTraits traits = traits_of(table.run, table.given, can_be_bundled);
     if (traits.is_cpu && wants_bundles(traits)) describe_bundles(traits, table);
     if (wants_height_field(traits)) {
         try {

@@ -12,9 +12,7 @@ constexpr const LightsTuning& tuning = lights_tuning;
 std::size_t pairs_of(const LightsTraits& traits) { return traits.points * traits.lights; }
 
 // True if the methods that share shadow rays may decide the table.
-bool are_shared(const LightsTraits& traits) {
-    return traits.can_be_bundled && traits.lights >= tuning.min_shared_lights;
-}
+bool are_shared(const LightsTraits& traits) { return traits.can_be_bundled && wants_tree(traits); }
 
 bool are_worth_measuring(const LightsTraits& traits) {
     return are_shared(traits) && pairs_of(traits) >= tuning.min_measured_pairs;
@@ -27,6 +25,7 @@ bool are_thin(const LightsTraits& traits) {
 // True if neighbouring lights share little. A picture's points are so dense that beams may be faster all the same.
 bool are_scattered(const LightsTraits& traits) {
     if (!traits.is_cpu || traits.is_picture) return false;
+    if (traits.lights < tuning.min_shared_lights) return true;
     return traits.are_point_lights ? traits.widest_bundle >= tuning.cpu_scattered_box
                                    : traits.lights_per_bundle < tuning.cpu_scattered_lights;
 }
@@ -54,6 +53,12 @@ std::optional<LightsMethod> method_by_rule(const LightsTraits& traits) {
 }
 
 }  // namespace
+
+bool wants_tree(const LightsTraits& traits) {
+    if (traits.lights >= tuning.min_shared_lights) return true;
+    return traits.is_cpu && traits.keeps_clusters && !traits.is_picture &&
+           pairs_of(traits) >= traits.triangles / tuning.cpu_triangles_per_pair;
+}
 
 // On a GPU horizons are never the fastest for the points of pictures.
 bool wants_height_field(const LightsTraits& traits) {

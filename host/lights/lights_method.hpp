@@ -22,8 +22,12 @@ inline constexpr std::string_view lights_method_names[] = {"auto",        "one-b
 /// docs/many_lights.md has what each method takes. "Two cores" are those of an EPYC.
 struct LightsTuning {
     // ---- Rules
-    /// Fewer lights are decided one by one (two cores, dba3afc).
+    /// Fewer lights are decided one by one (two cores, dba3afc), unless wants_tree().
     std::size_t min_shared_lights = 4;
+    /// A BVH that is kept serves fewer lights, too, if there is a pair for this number of triangles: packets to 1 and 3
+    /// lights take .5 to 1.5 and .16 to .5 of the time of single lights; 1 light and a million vertices of a terrain of
+    /// 2 million .56 (two cores, ba4c1fc).
+    std::size_t cpu_triangles_per_pair = 4;
     /// Fewer pairs take some milliseconds by beams, and a sample of them as long (two cores, dba3afc).
     std::size_t min_measured_pairs = std::size_t(1) << 20;
     /// Directional lights with fewer lights than this in a bundle, on average, are scattered, and so are point lights
@@ -102,6 +106,8 @@ private:
     std::array<double, std::size(lights_method_names)> ms_;
 };
 
+/// Whether a run by `automatic` makes the BVH. Else it decides one light at a time.
+bool wants_tree(const LightsTraits& traits);
 /// Whether the choice depends on whether the triangles are a height field.
 bool wants_height_field(const LightsTraits& traits);
 /// Whether the choice depends on how wide and full bundles are. On a CPU wants_height_field() depends on that, too.

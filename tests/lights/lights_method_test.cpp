@@ -110,6 +110,30 @@ TEST(LightsMethod, ACpuTakesRaysToScatteredLightsUnmeasured) {
     }
 }
 
+TEST(LightsMethod, AKeptTreeServesOneLight) {
+    LightsTraits traits = large_run(true);
+    traits.keeps_clusters = true;
+    traits.lights = 1;
+    traits.triangles = traits.points * lights_tuning.cpu_triangles_per_pair;
+    EXPECT_TRUE(gnomon::wants_tree(traits));
+    expect_by_rule(traits, Method::rays);
+    traits.are_point_lights = true;
+    traits.widest_bundle = 0;
+    expect_by_rule(traits, Method::rays);
+    const auto expect_no_tree = [&](auto&& change) {
+        LightsTraits other = traits;
+        change(other);
+        EXPECT_FALSE(gnomon::wants_tree(other));
+        expect_by_rule(other, Method::one_by_one);
+        other.lights = lights_tuning.min_shared_lights;
+        EXPECT_TRUE(gnomon::wants_tree(other));
+    };
+    expect_no_tree([](LightsTraits& other) { other.triangles += lights_tuning.cpu_triangles_per_pair; });
+    expect_no_tree([](LightsTraits& other) { other.keeps_clusters = false; });
+    expect_no_tree([](LightsTraits& other) { other.is_picture = true; });
+    expect_no_tree([](LightsTraits& other) { other.is_cpu = false; });
+}
+
 TEST(LightsMethod, ACpuSearchesNoFieldForAFewScatteredLights) {
     LightsTraits traits = large_run(true);
     traits.triangles = 1;
