@@ -7,11 +7,11 @@ PairBuffers Bins::begin(cl::Session& session, std::uint32_t bin_count, const Tri
     const std::size_t count_bytes = bin_count * sizeof(cl_uint);
     bin_count_ = bin_count;
     const std::size_t items = session.is_cpu() ? session.compute_units() * session.work_group_size() : 1;
-    const bool has_own_rows = session.is_cpu() && items * bin_count <= most_own_counts;
+    const bool has_own_rows = session.is_cpu() && items * bin_count <= max_own_counts;
     count_rows_ = static_cast<std::uint32_t>(has_own_rows ? items : 1);
     counts_.reserve(session, count_rows_ * count_bytes);
     ranges_.reserve(session, 2 * count_bytes);
-    const std::uint32_t likely = std::min(first_capacity_, std::max(4 * setup.capacity(), least_capacity));
+    const std::uint32_t likely = std::min(first_capacity_, std::max(4 * setup.capacity(), min_capacity));
     pairs_.reserve(session, likely);
     entries_.reserve(session, likely);
     if (!has_own_rows) session.fill({{counts_, 0, count_bytes}});

@@ -26,9 +26,9 @@ public:
     const cl::Buffer& ranges() const { return ranges_; }
     const cl::Buffer& entries() const { return entries_.buffer(); }
 
-    /// The lists start with four entries per triangle, but at least least_capacity (few triangles may be in all bins)
+    /// The lists start with four entries per triangle, but at least min_capacity (few triangles may be in all bins)
     /// and at most initial_capacity. Tests start with 1; 0 restores the default.
-    static constexpr std::uint32_t initial_capacity = 1u << 20, least_capacity = 1u << 16;
+    static constexpr std::uint32_t initial_capacity = 1u << 20, min_capacity = 1u << 16;
     void limit_initial_capacity(std::uint32_t capacity) {
         first_capacity_ = capacity != 0 ? capacity : initial_capacity;
     }
@@ -39,7 +39,7 @@ private:
     GrowingList pairs_{sizeof(Pair)}, entries_{BIN_ENTRY_BYTES};
     std::uint32_t first_capacity_ = initial_capacity, bin_count_ = 0;
     std::uint32_t count_rows_ = 1;  ///< a CPU's items count in rows of their own while these are no more than
-    static constexpr std::size_t most_own_counts = std::size_t{1} << 22;
+    static constexpr std::size_t max_own_counts = std::size_t{1} << 22;
 };
 
 }  // namespace gnomon
