@@ -213,8 +213,8 @@ void CameraStage::find_receivers(const CameraParams& params, cl_mem pixel_receiv
     }
     cl::StageTimer timer(session_, statistics, "camera_visibility");
     session_.launch(triangles_.kernel("camera/camera.cl", "camera_visibility"),
-                    session_.blocks(std::size_t(width_) * height_), params, projection_, triangles_.vertices, rays_,
-                    setup().records(), setup().bounds(), bins().ranges(), bins().entries(),
+                    session_.block_shares(std::size_t(width_) * height_), params, projection_, triangles_.vertices,
+                    rays_, setup().records(), setup().bounds(), bins().ranges(), bins().entries(),
                     pixel_receivers != nullptr ? pixel_receivers : out.receivers, out.receivers, counters_);
 }
 
@@ -257,7 +257,7 @@ void CameraStage::find_in_long_lists(const CameraParams& params, cl_mem pixel_re
 
 void CameraStage::make_points(const CameraParams& params, const PointSlice& out, Statistics& statistics) {
     cl::StageTimer timer(session_, statistics, "camera_points");
-    session_.launch("camera/camera.cl", "camera_points", cl::Range::items(std::size_t(width_) * height_), params,
+    session_.launch("camera/camera.cl", "camera_points", cl::Range::shares(std::size_t(width_) * height_), params,
                     triangles_.vertices, rays_, out.receivers, out.positions, counters_);
 }
 
@@ -382,8 +382,8 @@ void camera_normals(const Device& device, const Triangles& triangles, const View
     std::copy_n(view.points.camera()->camera.eye.begin(), 3, params.eye);
     params.width = view.width;
     params.height = view.height;
-    session.launch("camera/camera.cl", "camera_normals", cl::Range::items(view.points.count()), params, inputs.vertices,
-                   view.points.receivers(), normals);
+    session.launch("camera/camera.cl", "camera_normals", cl::Range::shares(view.points.count()), params,
+                   inputs.vertices, view.points.receivers(), normals);
 }
 
 ViewOnHost View::read(const Device& device, const Triangles& triangles) const {

@@ -34,7 +34,9 @@ GN_ALIGNED_STRUCT_END(TriangleBounds, BIN_ENTRY_BYTES)
 #define BOUNDS_FOR_MAP 0x8000u  // may cover a whole texel
 #define BOUNDS_MASKED 0x4000u   // of a masked triangle (exact/cut_outs.h)
 
-// A triangle (its record's slot) in a bin, and the pair's index in the bin's list. An unused slot has bin GN_NO_ID.
+// A triangle (its record's slot) in a bin, and the pair's index in the bin's list. An unused slot has bin GN_NO_ID. On
+// a CPU each work-item counts its own pairs, in a row of counts for all bins: the bin is that of the row (bin number +
+// row times the number of bins), and the index that of the bin's pairs in the row.
 GN_STRUCT_BEGIN(Pair)
     uint bin, slot, index;
 GN_STRUCT_END(Pair, 12)
@@ -50,7 +52,8 @@ GN_STRUCT_BEGIN(BinsParams)
     uint pair_capacity;
     uint entry_capacity;  // in BinEntries
     uint has_pyramid;     // 0: the depth excludes no bin
-GN_STRUCT_END(BinsParams, 28)
+    uint count_rows;      // rows of the bins' counts; on a GPU 1
+GN_STRUCT_END(BinsParams, 32)
 
 #ifndef __cplusplus
 
