@@ -38,7 +38,7 @@ class Plan:
         self.facts = facts
         self.exponent = int(facts["exponent"])
         self.hash = str(facts["hash"])
-        mosaic = open_mosaic(settings.raster) if settings.raster else None
+        mosaic = open_mosaic(settings.raster, settings.height_unit) if settings.raster else None
         self.casters = Casters(settings, mosaic)
         self.survey = Survey.load(folder / "survey.npz")
         self.suns = Suns.load(folder / "suns.npz")
@@ -140,7 +140,9 @@ def _has_unread_tasks(plan: Plan) -> bool:
 
 
 def _make_plan(folder: Path, settings: Settings, run_survey: SurveyRun) -> Plan:
-    mosaic = open_mosaic(settings.raster) if settings.raster else None
+    mosaic = open_mosaic(settings.raster, settings.height_unit) if settings.raster else None
+    for note in () if mosaic is None else mosaic.notes:
+        warnings.warn(note, stacklevel=2)
     casters = Casters(settings, mosaic)
     (folder / "tasks").mkdir(parents=True, exist_ok=True)
     for old in (folder / "tasks").iterdir():
@@ -171,18 +173,20 @@ def _make_plan(folder: Path, settings: Settings, run_survey: SurveyRun) -> Plan:
 
 def casters_to_survey(folder: str) -> Casters:
     settings = Settings.from_json(json.loads((Path(folder) / "survey.json").read_text())["settings"])
-    return Casters(settings, open_mosaic(settings.raster) if settings.raster else None)
+    return Casters(settings, open_mosaic(settings.raster, settings.height_unit) if settings.raster else None)
 
 
 def _run_survey(folder: Path, casters: Casters, run_survey: SurveyRun, old: Survey | None, tiles: list[int]) -> Survey:
     """Surveys these tiles and enters them into the old survey, or into a new one."""
     count = len(casters)
     survey = old or Survey(np.zeros((count, 4)), np.zeros(count), np.zeros(count), np.zeros(count, np.int64))
-    for tile, (box, top, bottom, triangles, reason) in run_survey(str(folder), tiles):
+    for tile, (box, top, bottom, triangles, note) in run_survey(str(folder), tiles):
         survey.boxes[tile], survey.tops[tile], survey.bottoms[tile] = box, top, bottom
         survey.triangles[tile] = triangles
-        if reason:
-            warnings.warn(f"{reason}: answers that it can shadow are undecided until it can be read", stacklevel=2)
+        if survey.unread[tile]:
+            note += ": answers that it can shadow are undecided until it can be read"
+        if note:
+            warnings.warn(note, stacklevel=2)
     return survey
 
 
