@@ -971,6 +971,96 @@ TEST(Defaults, FramingCameraSeesEveryVertex) {
     EXPECT_TRUE(std::isfinite(gnomon::scene::framing_camera({}).eye[0])) << "an empty scene has a camera too";
 }
 
+/// How much of the picture's width and height the box of projected vertices takes, and where its middle lies (0: in the
+/// middle of the picture), for a picture of this aspect.
+struct Shown {
+    double width, height, middle_x, middle_y;
+};
+Shown shown(const gnomon::Camera& camera, const std::vector<float>& vertices, double aspect) {
+    double low[2] = {1e300, 1e300}, high[2] = {-1e300, -1e300};
+    const double slope = std::tan(camera.fov_y_radians / 2);
+    for (std::size_t v = 0; v < vertices.size(); v += 3) {
+        double p[3] = {};
+        for (std::size_t i = 0; i < 3; ++i) {
+            const double d = double(vertices[v + i]) - double(camera.eye[i]);
+            p[0] += d * camera.right[i] / (slope * aspect);
+            p[1] += d * camera.up[i] / slope;
+            p[2] += d * camera.forward[i];
+        }
+        for (int i = 0; i < 2; ++i) {
+            low[i] = std::min(low[i], p[i] / p[2]);
+            high[i] = std::max(high[i], p[i] / p[2]);
+        }
+    }
+    return {(high[0] - low[0]) / 2, (high[1] - low[1]) / 2, (high[0] + low[0]) / 2, (high[1] + low[1]) / 2};
+}
+
+std::vector<float> cuboid(const Float3& low, const Float3& high) {
+    std::vector<float> triangles;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        for (const bool is_high : {false, true})
+            for (const auto& order : {std::array{0, 1, 2}, std::array{0, 2, 3}})
+                for (std::size_t k = 0; k < 3; ++k) {
+                    const int corner = order[is_high ? k : 2 - k];
+                    const bool at[3] = {is_high, corner == 1 || corner == 2, corner >= 2};
+                    for (std::size_t c = 0; c < 3; ++c) triangles.push_back(at[(c + 3 - axis) % 3] ? high[c] : low[c]);
+                }
+    return triangles;
+}
+
+std::vector<float> together(std::vector<float> a, const std::vector<float>& b) {
+    a.insert(a.end(), b.begin(), b.end());
+    return a;
+}
+
+// The box of what is to be seen takes 60 to 95 % of one side of the picture, is inside of it and in its middle.
+TEST(DefaultCamera, FillsThePicture) {
+    const std::vector<float> cube = cuboid({-1, 0, -1}, {1, 2, 1});
+    const std::vector<float> far_off = cuboid({899, 0, -1}, {901, 2, 1});
+    const std::vector<float> ground = cuboid({-50, -0.01f, -50}, {50, 0, 50});
+    const struct {
+        const char* name;
+        std::vector<float> content, beside;
+    } cases[] = {
+        {"a cube", cube, {}},
+        {"on wide ground", cube, ground},
+        {"a tower", cuboid({0, 0, 0}, {1, 50, 1}), {}},
+        {"a wide plate", cuboid({0, 0, 0}, {100, 0.1f, 60}), {}},
+        {"a plane", cuboid({-3, 0, -3}, {3, 0, 3}), {}},
+        {"a wall to the east", cuboid({0, 0, -5}, {0, 3, 5}), {}},
+        {"a wall to the north", cuboid({-5, 0, 0}, {5, 3, 0}), {}},
+        {"a wall seen edge-on from the first viewer", {0, 0, 0, 8, 0, 10, 8, 5, 10, 0, 0, 0, 8, 5, 10, 0, 5, 0}, {}},
+        {"a long thing", cuboid({-500, 0, 0}, {500, 1, 1}), {}},
+        {"two things far apart", together(cube, far_off), {}},
+        {"small and far from the origin", cuboid({1000, 1000, 1000}, {1001, 1001, 1001}), {}},
+        {"ground alone", ground, {}},
+        {"Earth-size", cuboid({4.5e6f, 0, 5.3e6f}, {4.6e6f, 1e4f, 5.4e6f}), {}},
+    };
+    for (const double aspect : {16.0 / 9, 1.0, 0.5})
+        for (const auto& [name, content, beside] : cases) {
+            Scene scene;
+            scene.triangles = together(content, beside);
+            const Shown box = shown(gnomon::scene::framing_camera(scene, aspect), content, aspect);
+            EXPECT_GE(std::max(box.width, box.height), 0.6) << name << ' ' << aspect;
+            EXPECT_LE(std::max(box.width, box.height), 0.95) << name << ' ' << aspect;
+            EXPECT_LT(std::abs(box.middle_x), 0.02) << name << ' ' << aspect;
+            EXPECT_LT(std::abs(box.middle_y), 0.02) << name << ' ' << aspect;
+            EXPECT_GE(std::min(box.width, box.height), 0.005) << name << ": not edge-on";
+        }
+}
+
+// A sequence: what moves stays in the picture.
+TEST(DefaultCamera, FramesTheWholeMotion) {
+    Scene first, last;
+    first.triangles = cuboid({0, 0, 0}, {1, 1, 1});
+    last.triangles = cuboid({30, 5, 0}, {31, 6, 1});
+    gnomon::scene::Framing framing(first, 1);
+    framing.add(last);
+    const Shown box = shown(framing.camera(), together(first.triangles, last.triangles), 1);
+    EXPECT_GE(std::max(box.width, box.height), 0.6);
+    EXPECT_LE(std::max(std::abs(box.middle_x) + box.width, std::abs(box.middle_y) + box.height), 0.95);
+}
+
 /// A box around (2, 1, 3), 8 x 3 x 4 metres. `is_inward`: its fronts are inside.
 std::vector<float> box_triangles(bool is_inward, double size = 1) {
     std::vector<float> triangles;

@@ -206,7 +206,8 @@ def moves_visibly(value: Any, extent: float) -> bool:
     if numbers.shape != (3,) or numbers.dtype.kind not in "iuf" or not np.isfinite(numbers).all():
         return False  # the check that follows says it
     with np.errstate(over="ignore"):
-        return bool(np.abs(numbers.astype(np.float32).astype(np.float64) - numbers).max() > VISIBLE * extent)
+        moved = np.abs(numbers.astype(np.float32).astype(np.float64) - numbers).max()
+    return bool(VISIBLE * extent < moved < np.inf)
 
 
 def normals_of_triangles(triangles: NDArray[Any]) -> NDArray[np.float64]:

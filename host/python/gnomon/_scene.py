@@ -605,7 +605,7 @@ class Scene:
         moved = _arrays.moved_by_float32(flat)
         extent = float(np.ptp(self.bounds, axis=0).max()) if moved or any(t is not None for t in triples) else 0.0
         is_visible = any(t is not None and _world.moves_visibly(t, extent) for t in triples)
-        if not (moved or is_visible) or not np.isfinite(extent) or not np.isfinite(self._host).all():
+        if not (moved or is_visible) or not np.isfinite([moved, extent]).all() or not np.isfinite(self._host).all():
             return None
         if self._twin is None:
             twin = Scene.__new__(Scene)
