@@ -427,13 +427,81 @@ TEST_F(SceneFile, OneWarningNamesAllThatIsNotSupported) {
     gltf.set("/materials", R"([{"alphaMode": "MASK"}, {"alphaMode": "BLEND"}])");
     gltf.set("/skins", R"([{"joints": [0]}])");
     gltf.set("/nodes/0/skin", "0");
-    gltf.set("/extensionsUsed", R"(["KHR_materials_unlit", "KHR_node_visibility"])");
+    gltf.set("/extensionsUsed", R"(["KHR_materials_unlit", "ACME_warp"])");
     const Scene scene = load(gltf);
     EXPECT_EQ(scene.triangle_count(), 2u);
     ASSERT_EQ(scene.warnings.size(), 1u);
-    expect_warning(scene,
-                   {"a skin without joints and weights", "alphaMode MASK", "alphaMode BLEND", "'KHR_node_visibility'"});
+    expect_warning(scene, {"a skin without joints and weights", "alphaMode MASK", "alphaMode BLEND", "'ACME_warp'"});
     EXPECT_EQ(scene.warnings[0].find("KHR_materials_unlit"), std::string::npos) << "colour only";
+}
+
+// KHR_node_visibility hides a node and all nodes below it, but no camera.
+TEST_F(SceneFile, HiddenNodesAreNotDrawn) {
+    Gltf gltf = triangle_file();
+    gltf.add("cameras", R"({"type": "perspective", "perspective": {"yfov": 0.75, "znear": 0.1}})");
+    gltf.set("/extensions", R"({"KHR_lights_punctual": {"lights": [{"type": "point"}, {"type": "point"}]}})");
+    gltf.set("/extensionsRequired", R"(["KHR_node_visibility"])");
+    gltf.set("/nodes", R"([{"mesh": 0, "extensions": {"KHR_node_visibility": {"visible": true}}},
+        {"mesh": 0, "camera": 0, "children": [2], "extensions": {"KHR_node_visibility": {"visible": false},
+                                                                 "KHR_lights_punctual": {"light": 0}}},
+        {"mesh": 0, "extensions": {"KHR_node_visibility": {"visible": true}}},
+        {"extensions": {"KHR_node_visibility": {}, "KHR_lights_punctual": {"light": 1}}}])");
+    gltf.set("/scenes", R"([{"nodes": [0, 1, 3]}])");
+    const Scene scene = load(gltf);
+    EXPECT_EQ(scene.triangle_count(), 1u);
+    EXPECT_TRUE(scene.warnings.empty());
+    EXPECT_EQ(scene.cameras.size(), 1u);
+    ASSERT_EQ(scene.lights.size(), 1u);
+    EXPECT_EQ(scene.lights[0].name, "light 1") << "the number in the file";
+    EXPECT_EQ(scene.lights[0].file_index, 1);
+    gltf.set("/nodes/0/extensions/KHR_node_visibility/visible", "0");
+    expect_error(gltf, {"KHR_node_visibility", "visible", "must be true or false"});
+}
+
+TEST_F(SceneFile, CamerasHaveTheNumbersOfTheFile) {
+    Gltf gltf = triangle_file();
+    gltf.add("cameras", R"({"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 1, "znear": 0, "zfar": 9}})");
+    gltf.add("cameras", R"({"type": "perspective", "perspective": {"yfov": 1, "znear": 0.1}})");
+    gltf.node(R"({"camera": 0})");
+    gltf.node(R"({"camera": 1})");
+    const Scene scene = load(gltf);
+    ASSERT_EQ(scene.cameras.size(), 1u);
+    EXPECT_EQ(scene.cameras[0].name, "camera 1");
+    EXPECT_EQ(scene.cameras[0].file_index, 1);
+}
+
+// 89 equal sentences are one.
+TEST_F(SceneFile, EqualWarningsAreOneWithTheirParts) {
+    Gltf gltf = triangle_file();
+    std::string primitives, materials;
+    for (int i = 0; i < 89; ++i) {
+        const std::string comma = i == 0 ? "" : ",";
+        primitives +=
+            comma + R"({"attributes": {"POSITION": 0, "TEXCOORD_0": 0}, "material": )" + std::to_string(i) + "}";
+        materials += comma + R"({"alphaMode": "MASK", "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}})";
+    }
+    gltf.set("/meshes/0/primitives", "[" + primitives + "]");
+    gltf.set("/materials", "[" + materials + "]");
+    gltf.set("/textures", R"([{"source": 0}])");
+    gltf.set("/images", R"([{"uri": "bark.png"}])");
+    const auto image = [](std::span<const unsigned char>, std::uint64_t) { return gnomon::scene::ColorImage{}; };
+    const Scene scene = load(gltf, {.decode_colors = image});
+    ASSERT_EQ(scene.warnings.size(), 1u);
+    expect_warning(scene, {"TEXCOORD_0 of primitive 0 of mesh 'thing'", "86 more (ignored: of the wrong type"});
+    EXPECT_LT(scene.warnings[0].size(), 700u) << scene.warnings[0];
+}
+
+// A node of Earth size moves float32 vertices: .25 m here, at triangles of 1 m. One far away, but large, does not.
+TEST_F(SceneFile, NodesOfEarthSizeAreNamed) {
+    Gltf gltf = triangle_file();
+    gltf.set("/nodes/0/translation", "[4500001.1, 0, 5300001.1]");
+    gltf.set("/nodes/0/name", R"("place")");
+    expect_warning(load(gltf), {"float32 moves vertices", "mesh 'thing' under node 'place' by up to 0.1"});
+    gltf.set("/nodes/0/scale", "[1e6, 1e6, 1e6]");
+    EXPECT_TRUE(load(gltf).warnings.empty());
+    gltf.set("/nodes/0/scale", "[1, 1, 1]");
+    gltf.set("/nodes/0/translation", "[451.1, 0, 531.1]");
+    EXPECT_TRUE(load(gltf).warnings.empty());
 }
 
 TEST_F(SceneFile, GlassIsNamed) {

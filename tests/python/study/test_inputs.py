@@ -32,7 +32,7 @@ def answers(folder, travelling=DOWN, points=None, **settings):
     return lit.astype(bool), study, [str(w.message) for w in caught]
 
 
-# ---- glTF: by gnomon's own loader --------------------------------------------------------------------------------------
+# ---- glTF: by gnomon's own loader ----------------------------------------------------------------------------------
 # A roof of 20 x 20 m in 10 m: point 0 in its middle and point 2 near its edge are dark, point 1 beside it is lit.
 
 ROOF = np.array([[-10, 10, -10], [10, 10, 10], [10, 10, -10], [-10, 10, -10], [-10, 10, 10], [10, 10, 10]], np.float32)
@@ -150,11 +150,10 @@ def test_what_a_gltf_file_leaves_out_is_said(tmp_path):
     assert notes == [f"{tmp_path}/lines.glb: points and lines are left out: primitive 0 of mesh 1 (lines)"]
 
 
-# ---- Other mesh files --------------------------------------------------------------------------------------------------
+# ---- Other mesh files ----------------------------------------------------------------------------------------------
 # An L in 10 m, whose notch is over point (5, 5): a fan from the wrong corner covers it. Point (-9, 0) is under the L.
 
 L_CORNERS = [[-10, -10, 10], [10, -10, 10], [10, -1, 10], [-1, -1, 10], [-1, 10, 10], [-10, 10, 10]]
-ROUND = [2, 3, 4, 5, 0, 1]
 UNDER_L = [[5, 5, 0], [50, 0, 0], [-9, 0, 0], [9, -5, 0]]
 IN_L = [True, True, False, False]
 
@@ -163,7 +162,7 @@ def rows(prefix=""):
     return "".join(prefix + " ".join(map(str, corner)) + "\n" for corner in L_CORNERS)
 
 
-def ply(kind="float", faces=f"6 {' '.join(map(str, ROUND))}\n", count=1, element="face"):
+def ply(kind="float", faces="6 2 3 4 5 0 1\n", count=1, element="face"):
     head = f"ply\nformat ascii 1.0\nelement vertex 6\nproperty {kind} x\nproperty {kind} y\nproperty {kind} z\n"
     return head + f"element {element} {count}\nproperty list int int vertex_indices\nend_header\n" + rows() + faces
 
@@ -218,8 +217,9 @@ def test_a_unit_that_a_mesh_declares(tmp_path):
     pytest.importorskip("lxml")
     core = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
     corners = "".join(f'<vertex x="{x}" y="{y}" z="10000"/>' for x, y in [(-9e3, -9e3), (9e3, -9e3), (0, 9e3)])
-    model = (f'<model xmlns="{core}"><resources><object id="1"><mesh><vertices>{corners}</vertices><triangles><triangle '
-             'v1="0" v2="1" v3="2"/></triangles></mesh></object></resources><build><item objectid="1"/></build></model>')  # fmt: skip
+    mesh = f'<mesh><vertices>{corners}</vertices><triangles><triangle v1="0" v2="1" v3="2"/></triangles></mesh>'
+    objects = f'<resources><object id="1">{mesh}</object></resources><build><item objectid="1"/></build>'
+    model = f'<model xmlns="{core}">{objects}</model>'
     with zipfile.ZipFile(tmp_path / "roof.3mf", "w") as archive:
         archive.writestr("3D/3dmodel.model", model)
     lit, _, notes = answers(tmp_path, points=[[0, 0, 0], [50, 0, 0]], meshes=str(tmp_path / "roof.3mf"))
@@ -236,7 +236,7 @@ def test_a_file_that_is_written_again_is_read_again(tmp_path):
         assert shadow(tmp_path, ridge(tmp_path, height=height)) == length
 
 
-# ---- CityJSON ----------------------------------------------------------------------------------------------------------
+# ---- CityJSON ------------------------------------------------------------------------------------------------------
 
 SQUARE = [[-10, -10, 10], [10, -10, 10], [10, 10, 10], [-10, 10, 10], [50, 0, 10]]
 
@@ -306,8 +306,8 @@ def test_cities_elsewhere(tmp_path, crs, of_study, text):
     assert "run the same study again" not in str(error.value)
 
 
-# ---- Units of heights and grids ----------------------------------------------------------------------------------------
-# A ridge of 100 units from south to north, the sun in the west at 45 degrees: the shadow is as long as the ridge is high.
+# ---- Units of heights and grids ------------------------------------------------------------------------------------
+# A ridge of 100 units from south to north, the sun in the west at 45 degrees: the shadow is as long as it is high.
 
 FOOT, US_FOOT = 0.3048, 1200 / 3937
 AFFINE = rasterio.Affine(5, 0, 500_000, 0, -5, 4_000_000)
@@ -425,7 +425,7 @@ def test_tiles_that_do_not_fit(tmp_path, more, text):
         shadow(tmp_path, tiles)
 
 
-# ---- A map metre against a true metre ----------------------------------------------------------------------------------
+# ---- A map metre against a true metre ------------------------------------------------------------------------------
 # The shadow of a wall of 100 m at 60 degrees north, measured on the ellipsoid: it is as long on every map.
 
 MAPS = ["EPSG:32632", "EPSG:3857", "EPSG:3035", "EPSG:6933", "EPSG:3395", "EPSG:27700", "EPSG:2154", "EPSG:32661",

@@ -102,7 +102,7 @@ def _loaded_by_trimesh(name: str) -> MeshFile:
     meshes = [g for g in scene.geometry.values() if isinstance(g, trimesh.Trimesh)]
     if others := len(scene.geometry) - len(meshes):
         notes.append(f"{others} point clouds or paths are left out")
-    raw = next((g.metadata["_ply_raw"] for g in scene.geometry.values() if "_ply_raw" in g.metadata), {})
+    raw: Any = next((g.metadata["_ply_raw"] for g in scene.geometry.values() if "_ply_raw" in g.metadata), {})
     if "tristrips" in raw:
         raise UnreadableError(f"{name}: has triangle strips, which are not read: export it with triangles as faces")
     polygons = _polygons_of_ply(raw)

@@ -115,8 +115,8 @@ def open_mosaic(names: tuple[str, ...], height_unit: str | None = None) -> Mosai
     for data, name in zip(opened, names, strict=True):
         if data.crs != first.crs and not _is_same_map(data.crs, first.crs):
             raise ValueError(
-                f"{name}: its CRS ({_name_of(data.crs)}) is not that of {names[0]} ({_name_of(first.crs)}): warp it onto "
-                f"that grid first (rio warp IN.tif OUT.tif --like {names[0]})"
+                f"{name}: its CRS ({_name_of(data.crs)}) is not that of {names[0]} ({_name_of(first.crs)}): warp it "
+                f"onto that grid first (rio warp IN.tif OUT.tif --like {names[0]})"
             )
         other = data.transform
         column, row = (other.c - grid.c) / grid.a, (other.f - grid.f) / grid.e
@@ -124,9 +124,9 @@ def open_mosaic(names: tuple[str, ...], height_unit: str | None = None) -> Mosai
         drift = max(abs(other.a - grid.a) / grid.a * data.width, abs(other.e - grid.e) / -grid.e * data.height)
         if max(shift, drift) >= 1e-2:  # cells
             raise ValueError(
-                f"{name}: its grid (cells of {other.a!r} x {-other.e!r}, from {other.c!r}, {other.f!r} on) is not that of "
-                f"{names[0]} ({grid.a!r} x {-grid.e!r}, from {grid.c!r}, {grid.f!r} on): warp it onto that grid first "
-                f"(rio warp IN.tif OUT.tif --like {names[0]} covers that file's extent; gdalwarp -tap -tr any)"
+                f"{name}: its grid (cells of {other.a!r} x {-other.e!r}, from {other.c!r}, {other.f!r} on) is not that "
+                f"of {names[0]} ({grid.a!r} x {-grid.e!r}, from {grid.c!r}, {grid.f!r} on): warp it onto that grid "
+                f"first (rio warp IN.tif OUT.tif --like {names[0]} covers that file's extent; gdalwarp -tap -tr any)"
             )
         unit = _unit_of(data, name, height_unit)
         placed.append((name, round(row), round(column), data.height, data.width, unit))
@@ -174,8 +174,8 @@ def _checked(name: str) -> Any:
         )
     if grid.b or grid.d or grid.a <= 0 or grid.e >= 0:
         raise ValueError(
-            f"{name}: the raster is rotated or not north up (its transform is {tuple(grid)[:6]}): warp it first (rio warp "
-            "IN.tif OUT.tif --dst-crs with its own CRS)"
+            f"{name}: the raster is rotated or not north up (its transform is {tuple(grid)[:6]}): warp it first (rio "
+            "warp IN.tif OUT.tif --dst-crs with its own CRS)"
         )
     if data.crs is not None:
         require_metres(name, data.crs)
@@ -201,7 +201,8 @@ def _unit_of(data: Any, name: str, height_unit: str | None) -> float:
     try:
         metres = metres_of_height(data.crs)
     except ValueError as error:
-        raise ValueError(f"{name}: {error}: negate it (gdal_calc.py -A IN.tif --calc=-A), with a CRS of heights") from None
+        remedy = "negate it (gdal_calc.py -A IN.tif --calc=-A), with a CRS of heights"
+        raise ValueError(f"{name}: {error}: {remedy}") from None
     if declared is None:
         return 1.0 if metres is None else metres
     known = metres_of(declared)

@@ -3,8 +3,8 @@
 
 A zone is a square of the map, fixed in world coordinates; its suns are those of its centre. The direction in the map's
 coordinates follows from azimuth and elevation at the centre (pvlib's SPA) and from the projection's Jacobian there
-(pyproj), which says where a metre to true east and one to true north lead on the map: their angles and their lengths. So
-shadows are as long as on the ground, in the map's metres. A direction is rounded once to float32.
+(pyproj), which says where a metre to true east and one to true north lead on the map: their angles and their lengths.
+So shadows are as long as on the ground, in the map's metres. A direction is rounded once to float32.
 """
 
 from __future__ import annotations

@@ -12,12 +12,15 @@ from numpy.typing import NDArray
 
 #: Names of units that files use beside PROJ's own.
 OTHER_NAMES = {
-    "meter": "metre", "meters": "metre", "metres": "metre", "mtr": "metre", "feet": "foot", "international foot": "foot",
-    "foot_us": "US survey foot", "ft_us": "US survey foot", "ftus": "US survey foot", "us foot": "US survey foot",
-    "us feet": "US survey foot", "us survey feet": "US survey foot", "us_survey_foot": "US survey foot",
-    "foot (us survey)": "US survey foot", "u.s. survey foot": "US survey foot", "u.s. foot": "US survey foot",
-    "centimeter": "centimetre", "centimeters": "centimetre", "centimetres": "centimetre", "millimeter": "millimetre", "millimeters": "millimetre", "kilometer": "kilometre",
-    "kilometers": "kilometre",
+    "metre": ("meter", "meters", "metres", "mtr"),
+    "foot": ("feet", "international foot", "international feet"),
+    "US survey foot": (
+        "foot_us", "ft_us", "ftus", "us foot", "us feet", "us survey feet", "us_survey_foot", "foot (us survey)",
+        "u.s. survey foot", "u.s. foot",
+    ),
+    "centimetre": ("centimeter", "centimeters", "centimetres"),
+    "millimetre": ("millimeter", "millimeters", "millimetres"),
+    "kilometre": ("kilometer", "kilometers", "kilometres"),
 }  # fmt: skip
 
 
@@ -26,7 +29,7 @@ def _factors() -> dict[str, float]:
     units = pyproj.get_units_map(category="linear")
     result = {unit.proj_short_name.lower(): unit.conv_factor for unit in units.values() if unit.proj_short_name}
     result |= {name.lower(): unit.conv_factor for name, unit in units.items()}
-    result |= {name: result[known.lower()] for name, known in OTHER_NAMES.items()}
+    result |= {name: result[known.lower()] for known, names in OTHER_NAMES.items() for name in names}
     return result | dict.fromkeys(("dm", "decimeter", "decimetre"), 0.1)  # PROJ 9 has it for .01
 
 
@@ -47,14 +50,14 @@ def require_metres(name: str, crs: Any) -> None:
     units = {axis.unit_name: axis.unit_conversion_factor for axis in flat.axis_info}
     if flat.is_geographic:
         raise ValueError(
-            f"{name}: its coordinates are degrees ({flat.name}), not metres on a map: warp it to UTM or a national grid "
-            "first (rio warp IN.tif OUT.tif --dst-crs EPSG:32632, the zone of your place)"
+            f"{name}: its coordinates are degrees ({flat.name}), not metres on a map: warp it to UTM or a national "
+            "grid first (rio warp IN.tif OUT.tif --dst-crs EPSG:32632, the zone of your place)"
         )
     if flat.is_geocentric or any(abs(factor - 1) > 1e-12 for factor in units.values()):
         raise ValueError(
-            f"{name}: its coordinates are not metres on a map but {', '.join(units) or 'unknown'} ({flat.name}): warp it "
-            "to UTM or a national grid first (rio warp IN.tif OUT.tif --dst-crs EPSG:32632, the zone of your place); "
-            "where its heights are not metres either, and OUT.tif no longer says so, give height_unit="
+            f"{name}: its coordinates are not metres on a map but {', '.join(units) or 'unknown'} ({flat.name}): warp "
+            "it to UTM or a national grid first (rio warp IN.tif OUT.tif --dst-crs EPSG:32632, the zone of your place)"
+            "; where its heights are not metres either, and OUT.tif no longer says so, give height_unit="
         )
 
 
