@@ -164,6 +164,7 @@ std::optional<Camera> interior_camera(const Scene& scene, const Bounds& bounds) 
 constexpr Float3 toward_viewers[] = {{0.8f, 0.6f, 1.0f}, {-0.8f, 0.6f, 1.0f}, {0.2f, 1.0f, 0.4f},
                                      {0.2f, 0.3f, 1.0f}, {1.0f, 0.3f, 0.2f},  {0.8f, -0.6f, 1.0f}};
 constexpr double least_shown = 0.35;  ///< of what the best viewer sees
+constexpr double slope_ratio = 0.8;   ///< of one Reach to the next
 constexpr double filled = 0.88;       ///< of the picture's narrower side, or both where they bind
 /// Ground: triangles no higher above the bottom than this part of the height, if all others are narrower than the
 /// second part of it.
@@ -222,32 +223,50 @@ Framing::Framing(const Scene& scene, double aspect) : aspect_(aspect), camera_(c
     add(scene);
 }
 
-// An eye at (x, y, z) in the camera's axes sees a point p if |p.x - x| <= k (p.z - z), and the same for y. So the
-// greatest p.x - k p.z and -p.x - k p.z of all points say how far back it must stand, and where their middle is.
+// An eye at (x, y, z) in the camera's axes sees a point p below the slope k if |p.x - x| <= k (p.z - z), and the same
+// for y. So the greatest p.x - k p.z and -p.x - k p.z of all points say how far back it must stand, and where it is in
+// their middle. Smaller slopes say where the middle is on the side that does not bind.
 void Framing::add(const Scene& scene) {
     if (is_interior_) return;
     const double slope_y = std::tan(camera_.fov_y_radians / 2) * filled, slope_x = slope_y * aspect_;
     const glm::dvec3 right = loaded(camera_.right), up = loaded(camera_.up), forward = loaded(camera_.forward);
     const glm::dvec3 middle = loaded(middle_.data());
+    for (std::size_t i = 0; i < reaches_.size(); ++i) reaches_[i].slope = std::pow(slope_ratio, double(i));
     for_each_triangle(scene, above_, [&](const float* t) {
         for (int k = 0; k < 9; k += 3) {
             const glm::dvec3 p = loaded(t + k) - middle;
             const double x = dot(p, right), y = dot(p, up), z = dot(p, forward);
-            const double reach[] = {x - slope_x * z, -x - slope_x * z, y - slope_y * z, -y - slope_y * z};
-            for (std::size_t i = 0; i < 4; ++i) reach_[i] = std::max(reach_[i], reach[i]);
+            for (Reach& reach : reaches_) {
+                const double zx = reach.slope * slope_x * z, zy = reach.slope * slope_y * z;
+                const double at[] = {x - zx, -x - zx, y - zy, -y - zy};
+                for (std::size_t i = 0; i < 4; ++i) reach.sides[i] = std::max(reach.sides[i], at[i]);
+            }
         }
     });
 }
 
 Camera Framing::camera() const {
-    if (is_interior_ || !std::isfinite(reach_[0])) return camera_;
-    const double slope_y = std::tan(camera_.fov_y_radians / 2) * filled, slope_x = slope_y * aspect_;
+    if (is_interior_ || !std::isfinite(reaches_[0].sides[0])) return camera_;
+    const double slope_y = std::tan(camera_.fov_y_radians / 2) * filled, slopes[] = {slope_y * aspect_, slope_y};
+    const auto needed = [&](const Reach& reach, std::size_t axis) {
+        return (reach.sides[2 * axis] + reach.sides[2 * axis + 1]) / (2 * reach.slope * slopes[axis]);
+    };
     const glm::dvec3 middle = loaded(middle_.data());
     // A small thing far from the origin: the eye is rounded to float32, so it must be many ulps (2^-24) away.
-    const double distance = std::max({(reach_[0] + reach_[1]) / (2 * slope_x), (reach_[2] + reach_[3]) / (2 * slope_y),
-                                      std::ldexp(largest_coordinate(middle), -14), 1e-3});
-    const glm::dvec3 eye = middle + (reach_[0] - reach_[1]) / 2 * loaded(camera_.right) +
-                           (reach_[2] - reach_[3]) / 2 * loaded(camera_.up) - distance * loaded(camera_.forward);
+    const double distance =
+        std::max({needed(reaches_[0], 0), needed(reaches_[0], 1), std::ldexp(largest_coordinate(middle), -14), 1e-3});
+    glm::dvec3 eye = middle - distance * loaded(camera_.forward);
+    for (const std::size_t axis : {0u, 1u}) {
+        std::size_t i = 0;  // the tightest slope that suits; the middle lies between its own and the next one's
+        while (i + 2 < reaches_.size() && needed(reaches_[i + 1], axis) <= distance) ++i;
+        const auto middle_of = [&](const Reach& reach) {
+            return (reach.sides[2 * axis] - reach.sides[2 * axis + 1]) / 2;
+        };
+        const double least = needed(reaches_[i], axis), most = needed(reaches_[i + 1], axis);
+        const double part = most > least ? std::clamp((distance - least) / (most - least), 0.0, 1.0) : 0;
+        const double at = std::lerp(middle_of(reaches_[i]), middle_of(reaches_[i + 1]), part);
+        eye += at * loaded(axis == 0 ? camera_.right : camera_.up);
+    }
     constexpr double limit = std::numeric_limits<float>::max();
     Camera camera = camera_;
     camera.eye = array_of(clamp(eye, -limit, limit));

@@ -923,7 +923,7 @@ private:
                 sizes += double(high) - double(low);
             }
         const double size = sizes / (double(last - first) / 9) / 2, move = std::ldexp(farthest, -25);
-        if (std::isfinite(sizes) && std::isfinite(farthest) && move > std::ldexp(size, -8))
+        if (size > 0 && std::isfinite(sizes) && std::isfinite(farthest) && move > std::ldexp(size, -8))
             work_.moved.push_back(fmt::format("{} under {} by up to {:.2g}, its triangles measure {:.2g}",
                                               mesh_text(model_.nodes[instance.node].mesh), node_text(instance.node),
                                               move, size));

@@ -182,7 +182,12 @@ private:
     bool is_interior_ = false;
     double above_ = nothing;          ///< triangles up to this height are ground
     std::array<double, 3> middle_{};  ///< the other numbers count from it
-    std::array<double, 4> reach_{nothing, nothing, nothing, nothing};
+    /// What is known for one slope of the sides of the seen pyramid, to the right, left, up and down.
+    struct Reach {
+        double slope = 0;  ///< as a part of the picture's
+        std::array<double, 4> sides{nothing, nothing, nothing, nothing};
+    };
+    std::array<Reach, 16> reaches_{};
 };
 Camera framing_camera(const Scene& scene, double aspect = 1);
 

@@ -236,6 +236,12 @@ def test_a_file_that_is_written_again_is_read_again(tmp_path):
         assert shadow(tmp_path, ridge(tmp_path, height=height)) == length
 
 
+def test_a_stray_triangle_that_makes_the_lattice_coarse(tmp_path):
+    (tmp_path / "stray.obj").write_text(rows("v ") + "v 9e6 0 0\nv 9e6 1 0\nv 9e6 0 1\nf 1 2 3 4 5 6\nf 7 8 9\n")
+    notes = answers(tmp_path, points=UNDER_L, meshes=str(tmp_path / "stray.obj"))[2]
+    assert len(notes) == 1 and "stray.obj): leave out what lies far away" in notes[0]
+
+
 # ---- CityJSON ------------------------------------------------------------------------------------------------------
 
 SQUARE = [[-10, -10, 10], [10, -10, 10], [10, 10, 10], [-10, 10, 10], [50, 0, 10]]

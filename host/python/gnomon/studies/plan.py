@@ -24,6 +24,8 @@ from .suns import Suns, suns_of
 
 #: The finest step that a study chooses by itself is 2^-10 m.
 FINEST_EXPONENT = -10
+#: A coarser step, of 1.6 cm, is warned of.
+COARSE_EXPONENT = -6
 #: Surveys caster tiles: the study's folder and the tiles -> each tile and what Casters.surveyed() finds of it.
 SurveyRun = Callable[[str, Iterable[int]], Iterable[tuple[int, tuple[list[float], float, float, int, str]]]]
 
@@ -222,4 +224,20 @@ def _exponent(settings: Settings, casters: Casters, survey: Survey) -> int:
             f"coarse for cells of {cell:g} m: raise min_elevation, or set halo_limit or a finer lattice=, with which "
             "answers beyond their reach are undecided"
         )
+    if exponent > COARSE_EXPONENT:
+        warnings.warn(
+            f"lattice: casters and receivers are rounded to steps of 2^{exponent} m, since the study reaches "
+            f"{_reach(settings, survey):.0f} m ({_farthest(casters, survey)}): leave out what lies far away, or set "
+            "halo_limit or lattice=",
+            stacklevel=2,
+        )
     return exponent
+
+
+def _farthest(casters: Casters, survey: Survey) -> str:
+    """The caster tile whose middle lies farthest from the median of all, or the widest of few."""
+    if not len(survey.boxes):
+        return "no casters"
+    middles = (survey.boxes[:, :2] + survey.boxes[:, 2:]) / 2
+    away = np.abs(middles - np.median(middles, axis=0)).max(axis=1) + np.ptp(survey.boxes[:, [0, 2]], axis=1)
+    return casters.name(int(np.where(survey.unread, -1, away).argmax()))
