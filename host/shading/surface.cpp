@@ -64,14 +64,17 @@ SurfaceParams params_of(const Triangles& triangles, const View& view, const Surf
     params.height = view.height;
     params.has_colors = arrays.has_colors;
     params.has_normals = arrays.has_normals;
+    params.pixel_share = view.pixel_share;
+    constexpr double units = SAMPLE_UNITS;
     const double pixel = 2 * std::tan(camera.fov_y_radians / 2) / view.height;
     for (int i = 0; i < 3; ++i) {
         params.eye[i] = camera.eye[std::size_t(i)];
         const double right = pixel * camera.right[std::size_t(i)], up = pixel * camera.up[std::size_t(i)];
         params.across[i] = static_cast<float>(right);
         params.down[i] = static_cast<float>(-up);
-        params.corner[i] = static_cast<float>(camera.forward[std::size_t(i)] - (view.width - 1) / 2.0 * right +
-                                              (view.height - 1) / 2.0 * up);
+        params.corner[i] = static_cast<float>(camera.forward[std::size_t(i)] +
+                                              (view.offset.x / units - (view.width - 1) / 2.0) * right -
+                                              (view.offset.y / units - (view.height - 1) / 2.0) * up);
     }
     return params;
 }

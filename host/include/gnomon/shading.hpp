@@ -131,6 +131,23 @@ Picture shade(const Surfaces& surfaces, std::span<const Visibility> visibilities
 /// complete when the device's queue has executed it. Throws InvalidArgument also if the buffer is too small.
 double shade_into(cl_mem rgba, const Surfaces& surfaces, std::span<const Visibility> visibilities,
                   std::span<const Light> lights, const ShadeOptions& options = {});
+/// The mean of pictures of one size, such as those of SampleViews, of the light after the tone curve.
+class PictureMean {
+public:
+    /// Throws InvalidArgument if `pictures` is 0.
+    PictureMean(const Device& device, std::size_t pixels, std::uint32_t pictures);
+    ~PictureMean();
+    /// Adds the picture that shade() would make. Returns its exposure: give the first picture's to the others. Throws
+    /// InvalidArgument as shade() does, if the surfaces have another number of pixels, or if all pictures were added.
+    double add(const Surfaces& surfaces, std::span<const Visibility> visibilities, std::span<const Light> lights,
+               const ShadeOptions& options = {});
+    /// 8-bit sRGB, 4 bytes (RGBA) per pixel. Waits. Throws InvalidArgument if a picture is missing.
+    std::vector<std::uint8_t> read() const;
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
 /// The same with base colours alone, as 8-bit sRGB, 4 bytes (RGBA) per pixel.
 std::vector<std::uint8_t> shade(const Device& device, const Triangles& triangles, const View& view,
                                 std::span<const Visibility> visibilities, const Materials& materials,
