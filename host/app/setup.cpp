@@ -18,10 +18,14 @@ namespace {
 
 constexpr double default_fov_y_degrees = 50;
 
-/// The number of an entry in its file; its position where there is no file.
+/// The number of an entry in its file; its position where there is no file, or several entries are one of the file's
+/// (two nodes with one camera).
 template <typename Named>
 std::size_t number_of(const std::vector<Named>& all, std::size_t position) {
-    return all[position].file_index < 0 ? position : std::size_t(all[position].file_index);
+    std::set<int> numbers;
+    for (const Named& one : all) numbers.insert(one.file_index);
+    const bool are_unique = numbers.size() == all.size() && !numbers.contains(-1);
+    return are_unique ? std::size_t(all[position].file_index) : position;
 }
 
 /// "0 \"main\", 1 \"top\"", or the end of a sentence for an empty list.
