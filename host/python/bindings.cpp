@@ -14,6 +14,7 @@
 #include <gnomon.hpp>
 
 #include "lights/whole_weights.hpp"
+#include "scene/number_table.hpp"
 
 #ifdef GNOMON_PYTHON_GLTF
 #include "scene/scene.hpp"
@@ -539,6 +540,28 @@ void bind_scenes(nb::module_& m) {
 void bind_scenes(nb::module_&) {}
 #endif
 
+void bind_tables(nb::module_& m) {
+    using gnomon::scene::NumberTable;
+    nb::class_<NumberTable>(m, "NumberTable")
+        .def(
+            "__init__",
+            [](NumberTable* table, const nb::bytes& text, const std::string& file,
+               const std::vector<std::vector<std::string>>& unnamed, bool are_points) {
+                gnomon::scene::TableColumns columns{unnamed};
+                if (are_points) columns.other_names = gnomon::scene::point_headings();
+                new (table) NumberTable(std::string_view(text.c_str(), text.size()), file, columns);
+            },
+            "text"_a, "file"_a, "unnamed"_a, "are_points"_a)
+        .def_prop_ro("names", &NumberTable::names)
+        .def("__len__", &NumberTable::rows)
+        .def("text", &NumberTable::text)
+        .def("numbers", [](const NumberTable& table, std::string_view name) { return row_of(table.numbers(name)); })
+        .def("float_numbers",
+             [](const NumberTable& table, std::string_view name) { return row_of(table.float_numbers(name)); })
+        .def("refuse", &NumberTable::refuse)
+        .def("require", &NumberTable::require);
+}
+
 // Each C++ exception becomes the Python exception that its reader expects; the texts are the same.
 void bind_errors(nb::module_& m) {
     // Translators run newest first, so the base class comes first.
@@ -577,4 +600,5 @@ NB_MODULE(_gnomon, m) {
     bind_views(m);
     bind_pictures(m);
     bind_scenes(m);
+    bind_tables(m);
 }

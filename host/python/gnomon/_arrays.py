@@ -50,16 +50,23 @@ def not_float32(array: NDArray[Any]) -> int | None:
     return first_row(~is_float32.all(axis=tuple(range(1, array.ndim))))
 
 
+def moved_by_float32(array: NDArray[Any]) -> float:
+    """The largest distance by which rounding to float32 moves a coordinate; NaN does not count."""
+    if array.dtype == np.float32 or not array.size:
+        return 0.0
+    with np.errstate(over="ignore", invalid="ignore"):
+        moved = np.abs(array.astype(np.float32).astype(np.float64) - array)
+    return float(np.nanmax(moved, initial=0.0)) if not np.isnan(moved).all() else 0.0
+
+
 def float32_of(array: NDArray[Any], name: str) -> NDArray[np.float32]:
-    """The values as float32, C-contiguous. Nothing is rounded: float64 values must be float32 values."""
-    row = not_float32(array)
+    """The values as float32, C-contiguous, each rounded once."""
+    with np.errstate(over="ignore"):
+        rounded = np.ascontiguousarray(array, dtype=np.float32)
+    row = first_row(np.asarray((np.isinf(rounded) & np.isfinite(array)).any(axis=1)))
     if row is not None:
-        raise ValueError(
-            f"{name}: row {row} {array[row].tolist()} has a value that float32 does not hold, and rounding would "
-            "move it: make the scene with lattice=, to which float64 coordinates are snapped, or round them "
-            "yourself with astype(numpy.float32)"
-        )
-    return np.ascontiguousarray(array, dtype=np.float32)
+        raise ValueError(f"{name}: row {row} {array[row].tolist()} is beyond float32")
+    return rounded
 
 
 def rows_of_triples(array: Any, name: str) -> NDArray[Any]:

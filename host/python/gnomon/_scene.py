@@ -200,7 +200,8 @@ class Scene:
         there on, wherever the origin lies: a scene cut into tiles gives the same bits as a whole, if all tiles have the
         same step. All coordinates must lie within 2^24 steps of the scene's centre. Without it, vertices that are
         float32 values are taken as they are, and others get the finest step that leaves room for points twice as far
-        out as the scene. Scene.lattice says which step it is, and what changed.
+        out as the scene; what lies farther away is rounded to float32 relative to the scene's centre. Scene.lattice
+        says which step it is, and what changed.
     device: a name as in gnomon.use(), or a Device; None: the default device.
 
     Raises ValueError for a wrong shape or dtype, a coordinate that is not finite, or a face that names no vertex.
@@ -225,6 +226,7 @@ class Scene:
         self.cameras: dict[str, _gnomon.Camera] = {}
         self.lights: dict[str, dict[str, tuple[float, float, float]]] = {}
         self.warnings: list[str] = []
+        self._twin: Scene | None = None  # the same triangles on a lattice
         self._vertices: _Vertices | None = None  # of the last call with Side.vertices()
         self.animations: list[str] = []
         self._material: NDArray[np.uint32] | None = None
@@ -243,6 +245,8 @@ class Scene:
         else:
             self.lattice = _world.lattice_of(np.ascontiguousarray(triangles, dtype=np.float64), lattice)
             self._host = self.lattice.triangles
+            if lattice is None:
+                _world.warn_if_coarse(self.lattice)
         self._count = len(self._host)
         if cut_outs is not None:
             corners = None if faces is None else _arrays.on_host(faces, "faces")
@@ -357,6 +361,7 @@ class Scene:
         self._uploads.clear()
         self._moved.clear()
         self._vertices = None
+        self._twin = None
         self._host = None
 
     def __enter__(self) -> Scene:
@@ -417,7 +422,8 @@ class Scene:
     ) -> NDArray[np.bool_] | AtVertices:
         """Whether the light reaches each point: what ray tracing would answer in exact arithmetic.
 
-        points: (..., 3) coordinates in the scene's unit.
+        points: (..., 3) coordinates in the scene's unit. On a scene without a lattice float64 points that float32 does
+            not hold are rounded to it, or they and the triangles are snapped to a lattice, whichever moves less.
         direction: (3,) along which a directional light travels (of any length, rounded once to float32); or
         position: (3,) of a point light.
         receivers: (...) ids of the triangles that the points lie on, negative for none. A receiver never shadows its
@@ -483,11 +489,18 @@ class Scene:
         ValueError for an unknown name."""
         if nan not in ("error", "absent"):
             raise ValueError(f"nan: {nan!r} is neither 'error' nor 'absent'")
-        light = _world.light_of(self._native_lattice, direction, position)
         positions = _arrays.rows_of_triples(points, "points")
         flat = positions.reshape(-1, 3)
         if nan == "error":
             _arrays.require_finite(flat, "points")
+        if not lift and not isinstance(side, VertexSide) and (twin := self._needed_twin(flat, position)):
+            visibility: Any = twin.visibility
+            on_lattice: NDArray[np.float32] = visibility(
+                positions, direction=direction, position=position, receivers=receivers, side=side, nan=nan,
+                technique=technique,
+            )  # fmt: skip
+            return on_lattice
+        light = _world.light_of(self._native_lattice, direction, position)
         engine = _Engine(self._on(self._device), _technique_of(technique), light)
 
         def shaped(values: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -535,10 +548,15 @@ class Scene:
         and the first bad row, MemoryError, DeviceNotFoundError, Cancelled.
         """
         side = _side_of(side, "is for lit() and visibility()")
-        table = _lights.table_of(self._native_lattice, lights)
         positions = _arrays.rows_of_triples(points, "points")
         flat = positions.reshape(-1, 3)
         _arrays.require_finite(flat, "points")
+        if side.kind in ("none", "normals") and (twin := self._needed_twin(flat, None)):
+            return twin.lit_by(
+                positions, lights, receivers=receivers, side=side, bits=bits, cosines=cosines, progress=progress,
+                settings=settings,
+            )  # fmt: skip
+        table = _lights.table_of(self._native_lattice, lights)
         if self.lattice is not None and side.kind in ("front", "eye"):
             raise ValueError("side: on a scene with a lattice give Side.normals() of the surfaces before snapping")
         if cosines and side.kind != "normals":
@@ -578,6 +596,27 @@ class Scene:
         if self.lattice is None:
             return _arrays.float32_of(flat, "points")
         return self.lattice.snap(flat, "points", normals)
+
+    def _needed_twin(self, flat: NDArray[Any], *triples: Any) -> Scene | None:
+        """The same triangles on a lattice, for questions that float32 would move too far; None: it moves nothing, or
+        less than a lattice would. A scene on a lattice needs none."""
+        if self.lattice is not None or self._host is None or self._is_closed:
+            return None
+        moved = _arrays.moved_by_float32(flat)
+        extent = float(np.ptp(self.bounds, axis=0).max()) if moved or any(t is not None for t in triples) else 0.0
+        is_visible = any(t is not None and _world.moves_visibly(t, extent) for t in triples)
+        if not (moved or is_visible) or not np.isfinite([moved, extent]).all() or not np.isfinite(self._host).all():
+            return None
+        if self._twin is None:
+            twin = Scene.__new__(Scene)
+            twin.__dict__.update(self.__dict__)
+            twin.lattice = _world.lattice_of(self._host.astype(np.float64), None)
+            twin._host = twin.lattice.triangles
+            twin._uploads, twin._moved, twin._vertices = {}, {}, None
+            self._twin = twin
+        lattice = self._twin.lattice
+        assert lattice is not None
+        return self._twin if is_visible or moved > max(lattice.largest_move, lattice.step / 2) else None
 
     def _facing_of(self, side: Side, ids: NDArray[np.uint32] | None) -> _FacingOf:
         """Facing by an eye, by the receivers' front, or none."""
@@ -733,6 +772,8 @@ class Scene:
         if (camera is None) == (eye is None and target is None):
             raise ValueError("give either eye= and target=, or camera=, a name of `cameras`")
         width, height = int(size[0]), int(size[1])
+        if camera is None and (twin := self._needed_twin(np.empty((0, 3)), eye, target)):
+            return twin.view(eye, target, up=up, fov=fov, size=size)
         if camera is not None:
             if camera not in self.cameras:
                 raise ValueError(f"camera: there is no {camera!r}; there are {', '.join(self.cameras) or 'none'}")
@@ -752,7 +793,15 @@ class Scene:
         from_eye = _world.world_triple(target, "target")[0] - around_eye.world_of((0.0, 0.0, 0.0))
         key = tuple(around_eye.origin)
         if key not in self._moved:
-            moved = self.lattice.native.rebased(np.ascontiguousarray(self.triangles.reshape(-1, 3)), around_eye)
+            corners = np.ascontiguousarray(self.triangles.reshape(-1, 3))
+            try:
+                moved = self.lattice.native.rebased(corners, around_eye)
+            except ValueError:
+                if not isinstance(self.lattice.native, _world.Reaching):
+                    raise
+                # The eye is out of the lattice's reach: it is rounded to float32, and the triangles stay.
+                ends = [_world.snapped_triple(self._native_lattice, *end) for end in ((eye, "eye"), (target, "target"))]
+                return ends[0], ends[1], self._native_lattice, self._on(self._device)
             self._moved = {key: self._uploaded(self._device, moved)}
         return (0.0, 0.0, 0.0), _arrays.triple(from_eye, "target"), around_eye, self._moved[key]
 

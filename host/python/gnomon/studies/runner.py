@@ -141,6 +141,8 @@ def _stopped(key: Any, error: BaseException) -> StudyStoppedError:
     text = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
     if isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
         text = f"{error.strerror}: {error.filename or 'the study folder'}: make room"
+    if isinstance(error, ValueError):  # of the input: the same study would stop at the same place
+        return StudyStoppedError(f"{error} (task {key})")
     return StudyStoppedError(
         f"task {key} failed: {text}. Tasks that are done are kept: run the same study again to go on"
     )
