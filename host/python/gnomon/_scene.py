@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import copy
 import os
 import threading
 from collections.abc import Callable, Mapping
@@ -210,6 +211,7 @@ class Scene:
         self._host: NDArray[np.float32] | None = None
         self.lattice: _world.Lattice | None = None
         self._count = 0
+        self._device_name: str | None = None
         self._uploads: dict[Device, _OnDevice] = {}
         self._moved: dict[tuple[int, ...], _OnDevice] = {}  # on a lattice: the triangles near the last view's eye
         self._is_closed = False
@@ -225,7 +227,7 @@ class Scene:
             if lattice is not None:
                 raise ValueError("lattice: not for a pyopencl array, which holds float32 coordinates already")
             if cut_outs is None:
-                self._device = self._wrap(vertices, faces)
+                self._opened = self._wrap(vertices, faces)
                 return
             vertices, device = vertices.get(), device_of_queue(vertices.queue)
         triangles = _arrays.triangles_of(vertices, faces)
@@ -238,9 +240,36 @@ class Scene:
         if cut_outs is not None:
             corners = None if faces is None else _arrays.on_host(faces, "faces")
             self._cut_outs = _cut_outs.native_of(cut_outs, corners, self._count)
-        self._device = (
-            device if isinstance(device, Device) else default_device() if device is None else open_device(device)
-        )
+        self._device_name = device if isinstance(device, str) else None
+        self._opened: Device | None = device if isinstance(device, Device) else self._open_device()
+
+    def _open_device(self) -> Device:
+        return default_device() if self._device_name is None else open_device(self._device_name)
+
+    @property
+    def _device(self) -> Device:
+        if self._opened is None:
+            self._opened = self._open_device()
+        return self._opened
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What travels to another process, and to a copy: arrays. A scene that was made with a device's name opens that
+        one there, when it is first used; any other takes the default device of its new process."""
+        self._require_open()
+        if self._host is None:
+            raise TypeError("the triangles of this scene lie in a pyopencl array, which cannot be copied: pickle the "
+                            "array's get(), and make a scene of that")  # fmt: skip
+        return {**self.__dict__, "_uploads": {}, "_moved": {}, "_vertices": None, "_opened": None}
+
+    def __copy__(self) -> Scene:
+        copied = object.__new__(type(self))
+        copied.__dict__.update(self.__getstate__(), _opened=self._opened)
+        return copied
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Scene:
+        copied = self.__copy__()
+        copied.__dict__.update(copy.deepcopy(self.__getstate__(), memo), _opened=self._opened)
+        return copied
 
     def _wrap(self, array: Any, faces: Any) -> Device:
         if faces is not None:
@@ -357,7 +386,8 @@ class Scene:
         self.close()
 
     def __repr__(self) -> str:
-        state = "closed" if self._is_closed else f"on {self._device.description.name!r}"
+        device = "no device yet" if self._opened is None else repr(self._opened.description.name)
+        state = "closed" if self._is_closed else f"on {device}"
         lattice = "" if self.lattice is None else f", {self.lattice!r}"
         return f"<gnomon.Scene of {self._count:,} triangles, {state}{lattice}>"
 
@@ -479,6 +509,8 @@ class Scene:
         flat = positions.reshape(-1, 3)
         if nan == "error":
             _arrays.require_finite(flat, "points")
+        else:
+            _arrays.require_no_fill_values(flat, "points")
         engine = _Engine(self._on(self._device), _technique_of(technique), light)
 
         def shaped(values: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -833,6 +865,10 @@ class View:
         self._origin = origin
         self._host: tuple[Any, Any, Any] | None = None
         self.width, self.height = size
+
+    def __reduce__(self) -> Any:
+        raise TypeError("a gnomon.View lies on its device and cannot be copied or pickled: take its arrays "
+                        "(visibility(), image(), points), or call Scene.view() in the other process")  # fmt: skip
 
     def _read(self) -> tuple[Any, Any, Any]:
         if self._host is None:

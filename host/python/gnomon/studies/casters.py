@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import _arrays
 from . import cityjson
 from .rasters import Mosaic, UnreadableError, faces_of_grid
 from .settings import Settings
@@ -152,6 +153,7 @@ def _loaded(name: str) -> NDArray[np.float64]:
         raise UnreadableError(f"{name}: cannot be read: {error}") from error
     if not np.isfinite(triangles).all():
         raise UnreadableError(f"{name}: a coordinate is not finite")
+    _arrays.require_no_fill_values(triangles.reshape(-1, 9), name)
     return triangles
 
 
