@@ -3,12 +3,14 @@
 
 from __future__ import annotations
 
+import collections
 import contextlib
 import ctypes
 import functools
 import importlib.util
 import os
 import threading
+import weakref
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -118,7 +120,9 @@ class Device:
 
 
 _default: Device | None = None
-_devices_of_queues: dict[tuple[int, int], Device] = {}
+#: A device of a queue lives as long as something that was made on it, and while it is among the last ones.
+_devices_of_queues: weakref.WeakValueDictionary[tuple[int, int], Device] = weakref.WeakValueDictionary()
+_last_of_queues: collections.deque[Device] = collections.deque(maxlen=4)
 
 
 def open_device(selector: str = "", memory_limit_bytes: int = 0) -> Device:
@@ -154,6 +158,8 @@ def device_of_queue(queue: Any) -> Device:
     load_opencl()
     key = (queue.context.int_ptr, queue.int_ptr)
     with _lock:
-        if key not in _devices_of_queues:  # the device retains the queue, so the integers stay its own
-            _devices_of_queues[key] = Device(_gnomon.Device.of_queue(*key))
-        return _devices_of_queues[key]
+        device = _devices_of_queues.get(key)
+        if device is None:  # a device retains its queue, so the integers are its own while it lives
+            device = _devices_of_queues[key] = Device(_gnomon.Device.of_queue(*key))
+            _last_of_queues.append(device)
+        return device

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _arrays, _cut_outs, _gnomon, _lights
+from . import _arrays, _cut_outs, _gnomon, _lights, _meshes
 from . import _lattice as _world
 from ._devices import Device, default_device, device_of_queue, open_device
 from ._side import EXACT, Side, Technique, VertexSide
@@ -46,6 +46,15 @@ GREY = (0.8, 0.8, 0.8)
 BLENDS = ("opaque", "clear", "mask")
 
 
+#: What a scene keeps of the last techniques with settings of their own, and of the last devices.
+TECHNIQUES_KEPT, DEVICES_KEPT = 8, 4
+
+
+def _keep_latest(kept: dict[Any, Any], count: int) -> None:
+    while len(kept) > count:
+        del kept[next(iter(kept))]
+
+
 class _OnDevice:
     """A scene's triangles on one device, and the techniques that ran there. Techniques keep lists between runs."""
 
@@ -57,12 +66,14 @@ class _OnDevice:
     def technique(self, wanted: Technique) -> _gnomon.Technique:
         """Call it in the device's thread."""
         settings = tuple(sorted((key, _setting_text(value)) for key, value in wanted.settings.items()))
-        if (wanted.name, settings) not in self._techniques:
+        technique = self._techniques.pop((wanted.name, settings), None)
+        if technique is None:
             technique = _gnomon.make_technique(wanted.name, self.device.native)
             for key, value in settings:
                 technique.set(key, value)
-            self._techniques[wanted.name, settings] = technique
-        return self._techniques[wanted.name, settings]
+        self._techniques[wanted.name, settings] = technique
+        _keep_latest(self._techniques, TECHNIQUES_KEPT)
+        return technique
 
 
 class AtVertices(NamedTuple):
@@ -163,19 +174,6 @@ def _setting_text(value: object) -> str:
     return str(value)
 
 
-def _mesh_of(vertices: Any, faces: Any) -> tuple[Any, Any]:
-    """Vertices and faces of a trimesh.Trimesh or a pyvista mesh; of anything else, the value itself and no faces."""
-    if faces is not None:
-        return vertices, faces
-    if hasattr(vertices, "vertices") and hasattr(vertices, "faces"):
-        return vertices.vertices, vertices.faces
-    if hasattr(vertices, "triangulate") and hasattr(vertices, "points"):
-        surface = vertices if hasattr(vertices, "regular_faces") else vertices.extract_surface()
-        mesh = surface.triangulate()
-        return mesh.points, np.asarray(mesh.faces).reshape(-1, 4)[:, 1:]
-    return vertices, None
-
-
 class Scene:
     """A mesh of triangles that cast shadows.
 
@@ -183,7 +181,7 @@ class Scene:
     them unless it is given another `up`; in gnomon.study() z is up, as on maps.
 
     vertices, faces: (V, 3) coordinates and (F, 3) indices; or vertices alone as triangles (F, 3, 3) or (F, 9); or a
-        trimesh.Trimesh, or a pyvista mesh. Any unit. A triangle's id is its row. A pyopencl array of float32
+        mesh or a scene of trimesh, pyvista, meshio or Open3D. Any unit. A triangle's id is its row. A pyopencl array of float32
         triangles is used where it lies, without a copy (with cut-outs it is copied): do not write it while the scene is
         used.
     cut_outs: triangles with holes, by the alpha of a texture, decided exactly at every hit: gnomon.CutOuts.
@@ -207,7 +205,7 @@ class Scene:
         lattice: float | None = None,
         device: str | Device | None = None,
     ) -> None:
-        vertices, faces = _mesh_of(vertices, faces)
+        vertices, faces = _meshes.mesh_of(vertices, faces)
         self._host: NDArray[np.float32] | None = None
         self.lattice: _world.Lattice | None = None
         self._count = 0
@@ -304,6 +302,8 @@ class Scene:
         were not there, or as masks with a cutoff of .5. Raises FileNotFoundError, or ValueError that names the wrong
         part.
         """
+        if not isinstance(path, str | os.PathLike):
+            raise TypeError(f"path: must be a file's name, not {type(path).__name__}: write its bytes into a file first")
         file = Path(path)
         if not file.exists():
             raise FileNotFoundError(f"{file}: does not exist")
@@ -407,7 +407,9 @@ class Scene:
                     "the scene's triangles lie on another OpenCL queue than the points: give both one queue"
                 )
             self._uploads[device] = self._uploaded(device, self._host)
-        return self._uploads[device]
+        upload = self._uploads[device] = self._uploads.pop(device)
+        _keep_latest(self._uploads, DEVICES_KEPT)
+        return upload
 
     def _uploaded(self, device: Device, triangles: NDArray[np.float32]) -> _OnDevice:
         cut_outs = () if self._cut_outs is None else (self._cut_outs,)
