@@ -1,76 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "area_light.hpp"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-
-#include "query/vectors.hpp"
-
 namespace gnomon::app {
-namespace {
 
-/// edge_a x edge_b, as long as its area.
-glm::dvec3 area_vector(const AreaLight& source) { return cross(loaded(source.edge_a), loaded(source.edge_b)); }
-
-/// The three sums of one point.
-struct Sums {
-    double reaching = 0, facing = 0, towards = 0;  ///< of V f c, of f c, of f
-};
-
-class LitPoint {
-public:
-    LitPoint(const glm::dvec3& area, const float* position, const float* normal)
-        : area_(area), position_(loaded(position)), normal_(loaded(normal)) {}
-
-    void add(const Light& sample, bool reaches, Sums& sums) const {
-        const glm::dvec3 l = loaded(sample.xyzw.data()) - position_;
-        const double square = dot(l, l);
-        if (square == 0) return;
-        // area . l = |area| r cosine, so f times the area is this over r^3.
-        const double f = std::max(0.0, -dot(area_, l)) / (square * std::sqrt(square));
-        const double fc = f * std::max(0.0, dot(normal_, l)) / std::sqrt(square);
-        sums.towards += f;
-        sums.facing += fc;
-        if (reaches) sums.reaching += fc;
-    }
-
-private:
-    const glm::dvec3& area_;
-    glm::dvec3 position_, normal_;
-};
-
-}  // namespace
+glm::dvec3 AreaLight::area_vector() const { return cross(loaded(edge_a), loaded(edge_b)); }
 
 Float3 AreaLight::centre() const { return array_of(loaded(corner) + 0.5 * (loaded(edge_a) + loaded(edge_b))); }
 
 void AreaLight::require_area() const {
-    const glm::dvec3 area = area_vector(*this);
+    const glm::dvec3 area = area_vector();
     if (!(dot(area, area) > 0)) throw Error("the area light has no area: its two edges must not be parallel");
-}
-
-ReceivedLight received_light(const AreaLight& source, const Lights& lights, const ViewOnHost& view,
-                             const std::vector<std::uint32_t>& bits) {
-    const glm::dvec3 area = area_vector(source);
-    const std::size_t count = view.receiver.size(), samples = lights.count(), words = (samples + 31) / 32;
-    ReceivedLight light;
-    for (auto* values : {&light.share, &light.irradiance, &light.brightness}) values->assign(count, 0.0f);
-    for (std::size_t pixel = 0; pixel < count; ++pixel) {
-        if (view.receiver[pixel] == no_receiver) {
-            light.share[pixel] = 1;
-            continue;
-        }
-        const LitPoint point(area, &view.position[3 * pixel], &view.normal[3 * pixel]);
-        Sums sums;
-        for (std::size_t i = 0; i < samples; ++i)
-            point.add(lights.lights()[i], (bits[pixel * words + i / 32] >> (i % 32) & 1u) != 0, sums);
-        if (sums.facing == 0) continue;
-        const double share = sums.reaching / sums.facing;
-        light.share[pixel] = static_cast<float>(share);
-        light.irradiance[pixel] = static_cast<float>(sums.reaching / double(samples));
-        light.brightness[pixel] = static_cast<float>(share * sums.towards / double(samples));
-    }
-    return light;
 }
 
 }  // namespace gnomon::app

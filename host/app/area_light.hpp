@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
-// A parallelogram that shines: what of its light reaches each pixel.
+// A parallelogram that shines. What of its light reaches each pixel: shading/received_light.hpp.
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
 #include <gnomon.hpp>
+
+#include "query/vectors.hpp"
 
 namespace gnomon::app {
 
@@ -17,20 +18,10 @@ struct AreaLight {
     Float3 corner{}, edge_a{}, edge_b{};
 
     Float3 centre() const;
+    /// edge_a x edge_b, as long as its area.
+    glm::dvec3 area_vector() const;
     /// Throws Error if it has no area.
     void require_area() const;
 };
-
-/// Per pixel, in double arithmetic and rounded once. n samples of the light, each at a distance r along the unit vector
-/// l from the point: f = max(0, -l . the light's normal) / r^2, c = max(0, l . point's normal); V is 1 where the sample
-/// reaches the point, and 0 else. Sums go over the samples in their order. The sky has 1, 0 and 0.
-struct ReceivedLight {
-    std::vector<float> share;       ///< sum of V f c over the sum of f c; 0 where that is 0: no light to shadow
-    std::vector<float> irradiance;  ///< area / n times the sum of V f c, in W/m^2
-    std::vector<float> brightness;  ///< share times area / n times the sum of f: for shade(), which has the cosine
-};
-/// `lights`: its samples by area_light(). `bits`: those of LightsOutputs for the view's points.
-ReceivedLight received_light(const AreaLight& source, const Lights& lights, const ViewOnHost& view,
-                             const std::vector<std::uint32_t>& bits);
 
 }  // namespace gnomon::app

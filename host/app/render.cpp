@@ -17,6 +17,7 @@
 #include "pictures.hpp"
 #include "report.hpp"
 #include "setup.hpp"
+#include "shading/received_light.hpp"
 #include "terminal.hpp"
 
 namespace gnomon::app {
@@ -158,29 +159,16 @@ std::vector<std::vector<float>> read_all(const std::vector<Visibility>& visibili
     return visible;
 }
 
-/// Values of the host on the device, as shade() takes them.
-Visibility uploaded(const Device& device, std::vector<float> values) {
-    const std::size_t count = values.size();
-    values.resize((count + 2) / 3 * 3);  // whole points
-    const Points holder = Points::upload(device, values);
-    return Visibility::wrap(device, holder.positions(), count);
-}
-
 /// The mask is the share of the area light that reaches a pixel; what is shaded is how bright it shines on it.
 Seen see_area_light(Report& report, const Device& device, Technique& technique, const Triangles& triangles,
                     const View& view) {
     const AreaLight& source = *report.lights.front().chosen.area;
     const Lights lights = area_light(source.corner, source.edge_a, source.edge_b,
                                      report.options.area_samples.value_or(default_area_samples));
-    const LightsOnHost found = run_light_table_to_host(technique, triangles, view.points, lights, {.bits = true});
-    report.lights.front().statistics = found.statistics;
-    ReceivedLight light = received_light(source, lights, view.read(device, triangles), found.bits);
-    return {triangles,
-            view,
-            {uploaded(device, std::move(light.brightness))},
-            {std::move(light.share)},
-            {},
-            std::move(light.irradiance)};
+    const cl::Buffer bits(session_of(device), view.points.count() * ((lights.count() + 31) / 32) * sizeof(cl_uint));
+    report.lights.front().statistics = technique.run_light_table(triangles, view.points, lights, {.bits = bits.get()});
+    const ReceivedLight light = received_light(device, triangles, view, source.area_vector(), lights, bits.get());
+    return {triangles, view, {light.brightness}, {light.share.read()}, {}, light.irradiance.read()};
 }
 
 Seen see(Steps& steps, Report& report, const Device& device, Technique& technique, const scene::Scene& scene,
@@ -290,24 +278,33 @@ scene::Scene part_of(const scene::Scene& scene, const std::vector<std::uint32_t>
     return part;
 }
 
-/// The surfaces that the camera sees.
+/// What the camera sees.
 struct SeenSurfaces {
-    SeenSurfaces(const Device& device, const scene::Scene& scene, const Seen& seen, SurfaceTextures* textures)
-        : part(seen.ids.empty() ? scene::Scene() : part_of(scene, seen.ids)),
-          materials(seen.ids.empty() ? scene.materials : part.materials),
-          detail(seen.ids.empty() ? scene : part),
-          surfaces(device, seen.triangles, seen.view, materials, detail.get(), textures) {}
-
-    scene::Scene part;  ///< of a scene that was processed in parts
-    const Materials& materials;
-    scene::SurfaceDetailView detail;
     Surfaces surfaces;
-    std::vector<float> sky_shares;
+    cl::Buffer sky_sums{};  ///< the sky's shares, float64 per pixel; no memory without a sky
+
+    cl_mem sky() const { return sky_sums.get(); }
 };
+
+/// By an appearance of the whole scene where it fits, else by what the view shows.
+Surfaces surfaces_of(const Device& device, const scene::Scene& scene, const Seen& seen, SurfaceTextures* textures) {
+    if (seen.ids.empty()) {
+        const scene::SurfaceDetailView detail(scene);
+        try {
+            return Appearance::upload(device, scene.materials, detail.get(), textures)
+                .surfaces(seen.triangles, seen.view);
+        } catch (const OutOfDeviceMemory&) {
+            return Surfaces(device, seen.triangles, seen.view, scene.materials, detail.get(), textures);
+        }
+    }
+    const scene::Scene part = part_of(scene, seen.ids);
+    return Surfaces(device, seen.triangles, seen.view, part.materials, scene::SurfaceDetailView(part).get(), textures);
+}
 
 std::unique_ptr<SeenSurfaces> surfaces_of(Report& report, const Device& device, const scene::Scene& scene,
                                           const Seen& seen, SurfaceTextures* textures) {
-    auto made = std::make_unique<SeenSurfaces>(device, scene, seen, textures);
+    auto made = std::make_unique<SeenSurfaces>(SeenSurfaces{surfaces_of(device, scene, seen, textures)});
+    device.finish();
     report.texture_bytes = made->surfaces.texture_bytes();
     if (const std::uint32_t levels = made->surfaces.left_out_levels(); levels != 0) {
         const std::string what =
@@ -329,15 +326,22 @@ Lights sky_of(std::uint32_t division) {
 }
 
 /// For each pixel the part of the sky's light that reaches it, by the cosines to its shading normal.
-std::vector<float> sky_shares_of(const Device& device, Technique& technique, const Seen& seen, const Surfaces& surfaces,
-                                 std::uint32_t division) {
+cl::Buffer sky_sums_of(const Device& device, Technique& technique, const Seen& seen, const Surfaces& surfaces,
+                       std::uint32_t division) {
     const Points& of = seen.view.points;
     // The shading normals decide the side.
     const Points points = Points::wrap(device, of.positions(), of.layout(), of.count(), of.receivers());
-    const LightsOnHost found =
-        run_light_table_to_host(technique, seen.triangles, points, sky_of(division), {.sums = true, .cosines = true},
-                                {.facing = Facing::normals(surfaces.normals())});
-    return {found.sums.begin(), found.sums.end()};
+    cl::Buffer sums(session_of(device), of.count() * sizeof(double));
+    technique.run_light_table(seen.triangles, points, sky_of(division), {.sums = sums.get(), .cosines = true},
+                              {.facing = Facing::normals(surfaces.normals())});
+    return sums;
+}
+
+/// The same on the host; empty without a sky.
+std::vector<float> sky_shares_of(const Device& device, const SeenSurfaces& of) {
+    if (of.sky() == nullptr) return {};
+    const auto sums = session_of(device).read_values<double>(of.sky(), of.surfaces.count());
+    return {sums.begin(), sums.end()};
 }
 
 /// One light without a sky and without an area is as bright as the tone curve expects it. Other exposures are metered,
@@ -364,7 +368,7 @@ void write_files(Steps& steps, const Outputs& outputs, const Device& device, con
         const auto rgba = steps.run("shade", "shading the picture", [&] {
             if (!report.options.diagnostic) {
                 Picture made = shade(surfaces->surfaces, seen.visibilities, lights,
-                                     {.exposure_ev = report.exposure_ev, .sky_shares = surfaces->sky_shares});
+                                     {.exposure_ev = report.exposure_ev, .sky_sums = surfaces->sky()});
                 report.exposure_ev = made.exposure_ev;
                 return std::move(made.rgba);
             }
@@ -381,9 +385,10 @@ void write_files(Steps& steps, const Outputs& outputs, const Device& device, con
     if (OutputFile* const aov = outputs["aov"])
         steps.run("write_aov", "writing the EXR", [&] {
             const ViewOnHost view = view_of(device, seen);
-            const SurfacesOnHost shown = surfaces->surfaces.read(surfaces->materials);
+            const SurfacesOnHost shown = surfaces->surfaces.read();
+            const std::vector<float> sky_shares = sky_shares_of(device, *surfaces);
             write_aov(*aov, width, height, view, seen.visible.front(), "visibility",
-                      {&shown, surfaces->sky_shares, seen.irradiance});
+                      {&shown, sky_shares, seen.irradiance});
         });
     if (OutputFile* const dump = outputs["dump-triangles"])
         steps.run("write_triangles", "writing the triangles",
@@ -460,8 +465,8 @@ void render_picture(Steps& steps, Report& report, Shared& shared, Outputs& outpu
             return surfaces_of(report, device, scene, seen, options.frames > 0 ? &shared.textures : nullptr);
         });
     if (surfaces && options.sky_division != 0)
-        surfaces->sky_shares = steps.run("sky", "the sky's light", [&] {
-            return sky_shares_of(device, *shared.technique, seen, surfaces->surfaces, options.sky_division);
+        surfaces->sky_sums = steps.run("sky", "the sky's light", [&] {
+            return sky_sums_of(device, *shared.technique, seen, surfaces->surfaces, options.sky_division);
         });
     if (options.frames == 0) shared.technique.reset();  // frees its memory for the pictures
     report.exposure_ev = shared.exposure_ev ? shared.exposure_ev : exposure_of(options, report.lights.size());

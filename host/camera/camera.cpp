@@ -159,7 +159,7 @@ void CameraStage::make_lists(Statistics& statistics, bool orders_runs) {
     if (session_.lanes() != 1) return;
     // A long list of n entries has fewer than 2 n / long_list_ chunks. There is room for the least limit from the
     // start, so that a look like the one before takes no more memory.
-    chunks_.reserve(session_, (2 * std::size_t(bins().entry_capacity()) / LEAST_LONG_LIST + 1) * sizeof(ListChunk));
+    chunks_.reserve(session_, (2 * std::size_t(bins().entry_capacity()) / MIN_LONG_LIST + 1) * sizeof(ListChunk));
     cl::StageTimer timer(session_, statistics, "camera_bins");
     session_.launch("camera/camera.cl", "camera_chunks", cl::Range::items(in.bin_count), in.bin_count, long_list_,
                     bins().ranges(), chunks_, counters_);
@@ -178,7 +178,7 @@ bool CameraStage::check_lists(Statistics& statistics) {
                          {"references", counted.references}};
     chunk_count_ = counted.chunks;
     open_count_ = counted.open_pairs;
-    next_long_list_ = std::max(LEAST_LONG_LIST, counted.entries / LONG_LISTS);
+    next_long_list_ = std::max(MIN_LONG_LIST, counted.entries / LONG_LISTS);
     return lists_.fitted(session_, counted);
 }
 
@@ -227,7 +227,7 @@ void CameraStage::filter_receivers(const CameraParams& params, const PointSlice&
     const auto of_file = [&](const char* kernel) { return triangles_.kernel("camera/camera_filter.cl", kernel); };
     const std::size_t pixels = std::size_t(width_) * height_;
     const std::size_t every = triangles_.has_cut_outs ? OPEN_PAIRS_EVERY_WITH_CUT_OUTS : OPEN_PAIRS_EVERY;
-    open_capacity_ = cl_uint(pixels / every + LEAST_OPEN_PAIRS);
+    open_capacity_ = cl_uint(pixels / every + MIN_OPEN_PAIRS);
     open_pairs_.reserve(session_, open_capacity_ * sizeof(cl_uint2));
     cl::StageTimer timer(session_, statistics, "camera_visibility");
     // Tiles differ in work: a multiprocessor that is done takes another one.
@@ -263,7 +263,10 @@ void CameraStage::make_points(const CameraParams& params, const PointSlice& out,
 
 void CameraStage::run(SampleOffset offset, cl_mem pixel_receivers, const PointSlice& out, Statistics& statistics) {
     const CameraParams params = params_of(offset, pixel_receivers != nullptr, out);
-    session_.upload(rays_, camera_rays(camera_, width_, height_, offset));
+    if (std::vector<float> rays = camera_rays(camera_, width_, height_, offset); rays != written_rays_) {
+        session_.upload(rays_, rays);
+        written_rays_ = std::move(rays);
+    }
     fitted_ = fitted_ || triangles_.count == 0;
     // Lists grow until they fit. The host reads the counters after it has enqueued all stages, so that the device does
     // not wait; where a list was too short, the kernels see it and do nothing.
@@ -370,10 +373,10 @@ Points lift(const Device& device, const Triangles& triangles, const Points& poin
                                   Internals::receivers(points));
 }
 
-cl::Buffer camera_normals(const Device& device, const Triangles& triangles, const View& view) {
+void camera_normals(const Device& device, const Triangles& triangles, const View& view, cl::Buffer& normals) {
     cl::Session& session = session_of(device);
     const TriangleInputs inputs = triangle_inputs(triangles);
-    cl::Buffer normals(session, view.points.count() * 3 * sizeof(float));
+    normals.reserve(session, view.points.count() * 3 * sizeof(float));
     CameraParams params{};
     params.triangles = inputs;
     std::copy_n(view.points.camera()->camera.eye.begin(), 3, params.eye);
@@ -381,13 +384,13 @@ cl::Buffer camera_normals(const Device& device, const Triangles& triangles, cons
     params.height = view.height;
     session.launch("camera/camera.cl", "camera_normals", cl::Range::items(view.points.count()), params, inputs.vertices,
                    view.points.receivers(), normals);
-    return normals;
 }
 
 ViewOnHost View::read(const Device& device, const Triangles& triangles) const {
     PointsOnHost on_host = points.read(device);
     ViewOnHost host{std::move(on_host.position), {}, std::move(on_host.receiver)};
-    const cl::Buffer normals = camera_normals(device, triangles, *this);
+    cl::Buffer normals;
+    camera_normals(device, triangles, *this, normals);
     host.normal.resize(host.position.size());
     session_of(device).read(normals.get(), host.normal.data(), host.normal.size() * sizeof(float));
     for (std::size_t i = 0; i < host.receiver.size(); ++i)

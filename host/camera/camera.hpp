@@ -65,6 +65,7 @@ private:
     std::uint32_t width_ = 0, height_ = 0;
     CameraSamples samples_{};
     cl::Buffer projection_, rays_, counters_;
+    std::vector<float> written_rays_;  ///< to rays_: those of a camera that stands still are not written again
     OccluderLists lists_;
     cl::Buffer chunks_, found_;  ///< of long lists
     cl::Buffer open_pairs_;
@@ -74,7 +75,7 @@ private:
     std::uint32_t long_list_ = FIRST_LONG_LIST, next_long_list_ = FIRST_LONG_LIST;
 };
 
-/// Unit geometric normals facing the camera, 3 floats per pixel, packed; sky: 0.
-cl::Buffer camera_normals(const Device& device, const Triangles& triangles, const View& view);
+/// Writes unit geometric normals facing the camera, 3 floats per pixel, packed; sky: 0. Makes room for them.
+void camera_normals(const Device& device, const Triangles& triangles, const View& view, cl::Buffer& normals);
 
 }  // namespace gnomon

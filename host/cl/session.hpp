@@ -183,10 +183,11 @@ public:
     /// To byte `first` of the buffer.
     void write(cl_mem buffer, const void* data, std::size_t bytes, std::size_t first = 0);
     /// Makes room for the values, and writes them.
-    template <typename Value>
-    void upload(Buffer& buffer, const std::vector<Value>& values) {
-        buffer.reserve(*this, values.size() * sizeof(Value));
-        write(buffer.get(), values.data(), values.size() * sizeof(Value));
+    template <typename Values>
+    void upload(Buffer& buffer, const Values& values) {
+        const std::size_t bytes = values.size() * sizeof(values[0]);
+        buffer.reserve(*this, bytes);
+        write(buffer.get(), values.data(), bytes);
     }
     /// From byte `first` of the buffer.
     void read(cl_mem buffer, void* data, std::size_t bytes, std::size_t first = 0);

@@ -26,7 +26,7 @@
 // that was enqueued before (tests/query/waits_test.cpp counts the blocking calls and compares them with this table):
 //   always   each call waits
 //   large    a call waits only where it makes a buffer of 4 MiB or more for a CPU, which is then mapped once
-//   never    no call waits
+//   never    no call waits (shade_into() waits where it meters, or copies shares of the sky from the host)
 // What is not in the table never waits; share() does as wrap() where device and host share memory, else as upload(). A
 // kernel that is launched for the first time may wait for its build, and a queue that profiles for each stage.
 // Device::kernel_builds() waits after a first launch. `always` is measured with frustum-traced: another technique may
@@ -50,9 +50,12 @@
 //   look                             always
 //   CameraPass::look                 always
 //   View::read                       always
+//   Appearance::upload               always
+//   Appearance::surfaces             large
 //   Surfaces::Surfaces               always
 //   Surfaces::read                   always
 //   shade                            always
+//   shade_into                       never
 //   VertexFans::find                 always
 //   VertexFans::extended             always
 //   make_technique                   never

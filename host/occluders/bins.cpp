@@ -8,7 +8,7 @@ PairBuffers Bins::begin(cl::Session& session, std::uint32_t bin_count, const Tri
     bin_count_ = bin_count;
     counts_.reserve(session, count_bytes);
     ranges_.reserve(session, 2 * count_bytes);
-    const std::uint32_t likely = std::min(first_capacity_, std::max(4 * setup.capacity(), least_capacity));
+    const std::uint32_t likely = std::min(first_capacity_, std::max(4 * setup.capacity(), min_capacity));
     pairs_.reserve(session, likely);
     entries_.reserve(session, likely);
     session.fill(counts_, 0, count_bytes);

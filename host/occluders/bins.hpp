@@ -25,9 +25,9 @@ public:
     const cl::Buffer& ranges() const { return ranges_; }
     const cl::Buffer& entries() const { return entries_.buffer(); }
 
-    /// The lists start with four entries per triangle, but at least least_capacity (few triangles may be in all bins)
+    /// The lists start with four entries per triangle, but at least min_capacity (few triangles may be in all bins)
     /// and at most initial_capacity. Tests start with 1; 0 restores the default.
-    static constexpr std::uint32_t initial_capacity = 1u << 20, least_capacity = 1u << 16;
+    static constexpr std::uint32_t initial_capacity = 1u << 20, min_capacity = 1u << 16;
     void limit_initial_capacity(std::uint32_t capacity) {
         first_capacity_ = capacity != 0 ? capacity : initial_capacity;
     }

@@ -469,19 +469,25 @@ void bind_views(nb::module_& m) {
             gnomon::run_samples(technique, triangles, view, light_of(light), samples, mean);
         },
         Released());
-    m.def("shade", [](const gnomon::Device& device, const gnomon::Triangles& triangles, const View& view,
-                      const std::vector<gnomon::Visibility>& visibilities, const Ids& triangle_material,
-                      const std::vector<gnomon::Float3>& base_color, const std::vector<std::array<float, 4>>& lights) {
-        const std::size_t height = view.height, width = view.width;
-        std::vector<std::uint8_t> rgba = released([&] {
-            const auto ids = span_of(triangle_material);
-            const gnomon::Materials materials{{ids.begin(), ids.end()}, base_color};
-            std::vector<gnomon::Light> all;
-            for (const auto& light : lights) all.push_back(light_of(light));
-            return gnomon::shade(device, triangles, view, visibilities, materials, all);
+    nb::class_<gnomon::Appearance>(m, "Appearance")
+        .def_static("upload", [](const gnomon::Device& device, const Ids& triangle_material,
+                                 const std::vector<gnomon::Float3>& base_color) {
+            return released([&] {
+                const auto ids = span_of(triangle_material);
+                return gnomon::Appearance::upload(device, {{ids.begin(), ids.end()}, base_color});
+            });
         });
-        return numpy_of(std::move(rgba), {height, width, 4});
-    });
+    m.def("shade",
+          [](const gnomon::Appearance& appearance, const gnomon::Triangles& triangles, const View& view,
+             const std::vector<gnomon::Visibility>& visibilities, const std::vector<std::array<float, 4>>& lights) {
+              const std::size_t height = view.height, width = view.width;
+              std::vector<std::uint8_t> rgba = released([&] {
+                  std::vector<gnomon::Light> all;
+                  for (const auto& light : lights) all.push_back(light_of(light));
+                  return gnomon::shade(appearance.surfaces(triangles, view), visibilities, all).rgba;
+              });
+              return numpy_of(std::move(rgba), {height, width, 4});
+          });
 }
 
 #ifdef GNOMON_PYTHON_GLTF

@@ -103,7 +103,7 @@ struct MeshoptView {
 /// before it begins.
 struct DecodingBudget {
     const std::filesystem::path& file;
-    std::uint64_t bytes = 0, most_bytes = 0;
+    std::uint64_t bytes = 0, max_bytes = 0;
 
     /// Throws SceneError if `what` does not fit into the rest.
     void charge(const std::string& what, std::uint64_t count, std::uint64_t bytes_each);
@@ -131,6 +131,7 @@ struct MaterialSource {
     bool has_transform = false;
     TextureWrap wrap_u = TextureWrap::repeat, wrap_v = TextureWrap::repeat;
     TextureFilter filter = TextureFilter::linear;
+    TextureMinification minification = TextureMinification::mean;
     int image = -1;          ///< of `images`; -1: there is none that can be read
     std::string unreadable;  ///< why
 };

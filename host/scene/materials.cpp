@@ -64,6 +64,9 @@ void read_sampler(const json& root, const json& texture, MaterialSource& source)
     source.wrap_u = wrap_of(integer_in(*sampler, "wrapS", 10497));
     source.wrap_v = wrap_of(integer_in(*sampler, "wrapT", 10497));
     if (integer_in(*sampler, "magFilter", 9729) == 9728) source.filter = TextureFilter::nearest;
+    const std::int64_t minification = integer_in(*sampler, "minFilter", 9987);
+    if (minification == 9728) source.minification = TextureMinification::nearest;
+    if (minification == 9729) source.minification = TextureMinification::linear;
 }
 
 /// The image of a texture: its source, or that of EXT_texture_webp.

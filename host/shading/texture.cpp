@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Levels of colour textures, on the host. Each level is made of the unrounded one before.
+// Levels of colour textures as kernels/shading/mip_levels.h describes them, on the host: for textures that do not fit
+// into the device's memory with all that makes their levels there.
 #include <algorithm>
 #include <cmath>
 
@@ -8,7 +9,7 @@
 namespace gnomon {
 namespace {
 
-constexpr std::size_t encoded_size = 1u << 16;
+constexpr std::size_t encoded_size = MIP_ENCODED;
 
 double linear_of(double encoded) {
     return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
@@ -35,27 +36,6 @@ struct Level {
     std::uint32_t width = 0, height = 0;
     std::vector<float> texels;
 };
-
-/// The neighbours whose mean one texel is, along one side: up to three, with their shares.
-struct Taps {
-    std::uint32_t first = 0;
-    float shares[3] = {1, 0, 0};
-};
-
-std::vector<Taps> taps_of(std::uint32_t from, std::uint32_t to) {
-    std::vector<Taps> taps(to);
-    const double side = double(from) / to;
-    for (std::uint32_t i = 0; i < to; ++i) {
-        const double low = i * side, high = (i + 1) * side;
-        taps[i].first = std::min(static_cast<std::uint32_t>(low), from - 1);
-        for (std::uint32_t k = 0; k < 3; ++k) {
-            const double left = std::max(low, double(taps[i].first + k));
-            const double right = std::min({high, double(taps[i].first + k + 1), double(from)});
-            taps[i].shares[k] = static_cast<float>(std::max(0.0, right - left) / side);
-        }
-    }
-    return taps;
-}
 
 Level first_level(const ColorTexture& texture, bool weighs_alpha) {
     static const std::array<float, 256> decoded = linear_of_srgb();
@@ -110,7 +90,7 @@ Level next_level(const Level& from) {
     if (from.width % 2 == 0 && from.height % 2 == 0) return halved(from);
     Level to{std::max(1u, from.width / 2), std::max(1u, from.height / 2), {}};
     to.texels.assign(std::size_t(4) * to.width * to.height, 0.0f);
-    const std::vector<Taps> columns = taps_of(from.width, to.width), rows = taps_of(from.height, to.height);
+    const std::vector<MipTaps> columns = taps_of(from.width, to.width), rows = taps_of(from.height, to.height);
     for (std::uint32_t y = 0; y < to.height; ++y)
         for (std::uint32_t dy = 0; dy < 3; ++dy) {
             if (rows[y].shares[dy] == 0) continue;
@@ -146,6 +126,29 @@ std::array<float, 256> linear_of_srgb() {
     std::array<float, 256> table;
     for (int i = 0; i < 256; ++i) table[std::size_t(i)] = static_cast<float>(linear_of(i / 255.0));
     return table;
+}
+
+std::vector<MipTaps> taps_of(std::uint32_t from, std::uint32_t to) {
+    std::vector<MipTaps> taps(to);
+    const double side = double(from) / to;
+    for (std::uint32_t i = 0; i < to; ++i) {
+        const double low = i * side, high = (i + 1) * side;
+        taps[i].first = std::min(static_cast<std::uint32_t>(low), from - 1);
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            const double left = std::max(low, double(taps[i].first + k));
+            const double right = std::min({high, double(taps[i].first + k + 1), double(from)});
+            taps[i].shares[k] = static_cast<float>(std::max(0.0, right - left) / side);
+        }
+    }
+    return taps;
+}
+
+MipTables mip_tables() {
+    MipTables tables;
+    std::ranges::copy(linear_of_srgb(), tables.linear_of);
+    for (int i = 0; i < 256; ++i) tables.weight_of[i] = float(i) / 255.0f;
+    std::ranges::copy(encoded_of_linear(), tables.srgb_of);
+    return tables;
 }
 
 std::uint64_t level_bytes(std::uint32_t width, std::uint32_t height, std::uint32_t first) {

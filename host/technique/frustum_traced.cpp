@@ -44,7 +44,7 @@ const SettingsTable<Settings>& settings_table() {
           "way to decide many lights"},
          setting::choice(&S::many_lights, lights_method_names)},
         {{"bundle-lights", "32", "lights that a beam decides together, 1 to 32"},
-         setting::whole(&S::bundle_lights, 1, MOST_BUNDLE_LIGHTS)},
+         setting::whole(&S::bundle_lights, 1, MAX_BUNDLE_LIGHTS)},
     };
     return table;
 }

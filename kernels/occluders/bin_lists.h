@@ -142,11 +142,11 @@ static uint entries_that_meet(__global const BinEntries* entries, QuantisedBlock
 }
 #else
 // Least values of eights: a transposition halves the work of each step; five separate reductions would not.
-static ushort8 least_eight(int16 v, ushort16 others) {
+static ushort8 min_eight(int16 v, ushort16 others) {
     ushort16 values = convert_ushort16(v) | others;
     return min(values.lo, values.hi);
 }
-static ushort8 least_in_turn(ushort8 a, ushort8 b) {
+static ushort8 min_in_turn(ushort8 a, ushort8 b) {
     ushort8 low = (ushort8)(a.s0, b.s0, a.s1, b.s1, a.s2, b.s2, a.s3, b.s3);
     ushort8 high = (ushort8)(a.s4, b.s4, a.s5, b.s5, a.s6, b.s6, a.s7, b.s7);
     return min(low, high);
@@ -155,11 +155,11 @@ static ushort8 least_in_turn(ushort8 a, ushort8 b) {
 static QuantisedBlock block_of_lanes(LaneInt x0, LaneInt y0, LaneInt x1, LaneInt y1, LaneInt lowest, LaneInt lanes) {
     const LaneInt bits = (LaneInt)(65535);
     ushort16 others = convert_ushort16(~lanes & bits);
-    ushort8 x = least_in_turn(least_eight(x0, others), least_eight(bits - x1, others));
-    ushort8 y = least_in_turn(least_eight(y0, others), least_eight(bits - y1, others));
-    ushort8 z = least_eight(lowest, others);
-    z = least_in_turn(z, z);
-    ushort8 all = least_in_turn(least_in_turn(x, y), least_in_turn(z, z));  // x0 z y0 z, 65535 - x1 and so on
+    ushort8 x = min_in_turn(min_eight(x0, others), min_eight(bits - x1, others));
+    ushort8 y = min_in_turn(min_eight(y0, others), min_eight(bits - y1, others));
+    ushort8 z = min_eight(lowest, others);
+    z = min_in_turn(z, z);
+    ushort8 all = min_in_turn(min_in_turn(x, y), min_in_turn(z, z));  // x0 z y0 z, 65535 - x1 and so on
     return (QuantisedBlock){all.s0, all.s2, (ushort)(65535 - all.s4), (ushort)(65535 - all.s6), all.s1};
 }
 

@@ -193,9 +193,9 @@ static void append_block(BoundsWork* work, uint block) {
 
 // A CPU takes GN_LANES clusters at a time: the listed clusters, or (if no clusters are kept) the clusters with boxes,
 // made on the way, that survive the cull. A box around triangles takes a small part of the time that bounding them one
-// by one does; where it drops fewer than one in LEAST_DROPPED clusters, the next groups skip the box.
+// by one does; where it drops fewer than one in MIN_DROPPED clusters, the next groups skip the box.
 #define BLOCKS_OF_CLUSTER (CLUSTER_TRIANGLES / GN_LANES)
-#define LEAST_DROPPED 4u
+#define MIN_DROPPED 4u
 #define GROUPS_WITHOUT_BOXES 3u
 
 typedef struct ClusterGroup {
@@ -238,7 +238,7 @@ GN_NOINLINE_ON_CPU void bound_clusters(ItemRange items, uint cluster_count, __gl
         } else {
             uint count = group.count;
             cull_by_boxes(work, first, count, &group);
-            if ((count - group.count) * LEAST_DROPPED < count) without_boxes = GROUPS_WITHOUT_BOXES;
+            if ((count - group.count) * MIN_DROPPED < count) without_boxes = GROUPS_WITHOUT_BOXES;
         }
         for (uint k = 0; k < group.count * BLOCKS_OF_CLUSTER; ++k)
             append_block(work, group.clusters[k / BLOCKS_OF_CLUSTER] * BLOCKS_OF_CLUSTER + k % BLOCKS_OF_CLUSTER);

@@ -9,7 +9,7 @@
 #define AMBIENT 0.25f
 
 // Normals that are farther apart than this sine (30 degrees) are meant to show edges.
-#define MOST_SHIFT 0.5f
+#define MAX_SHIFT 0.5f
 
 // The light of the whole sky, compared with the 1 - AMBIENT of a light that shines from above; and the part of the
 // ambient light that is added to the light of the sky.
@@ -53,7 +53,7 @@ __kernel void shade_light(ShadeParams params, __global const float* positions, _
         if (!is_directional) l = unit_of(difference(light, load_block(positions, layout, block)));
         LaneFloat cosine = block_dot(load_block(normals, packed_layout(layout), block), l);
         if (params.has_spreads != 0u) {
-            LaneFloat shift = load_lanes(spreads, layout, block), most = (LaneFloat)(MOST_SHIFT);
+            LaneFloat shift = load_lanes(spreads, layout, block), most = (LaneFloat)(MAX_SHIFT);
             shift = LANES_MIN(shift, most);
             cosine = (cosine - shift) / ((LaneFloat)(1.0f) - shift);
         }

@@ -41,8 +41,15 @@ static Barycentric barycentric_of(Triangle t, SurfaceParams params, float x, flo
     return found;
 }
 
-static float2 blended_coordinates(__global const SurfaceRecord* record, float3 of) {
-    __global const float* uv = record->coordinates;
+// What triangles have, by slot (surface.h).
+typedef struct SurfaceArrays {
+    __global const uint* materials;
+    __global const float* coordinates;
+    __global const float* colors;
+    __global const uint* normals;
+} SurfaceArrays;
+
+static float2 blended_coordinates(__global const float* uv, float3 of) {
     return (float2)(uv[0] * of.x + uv[2] * of.y + uv[4] * of.z, uv[1] * of.x + uv[3] * of.y + uv[5] * of.z);
 }
 
@@ -59,10 +66,10 @@ static float3 unpacked_normal(uint bits) {
 }
 
 // The interpolated normal, on the eye's side of the triangle; the geometric normal if corners have none.
-static float3 shading_normal(__global const SurfaceRecord* record, float3 at, float3 geometric) {
-    if (record->normals[0] == 0u || record->normals[1] == 0u || record->normals[2] == 0u) return geometric;
-    float3 n = unpacked_normal(record->normals[0]) * at.x + unpacked_normal(record->normals[1]) * at.y +
-               unpacked_normal(record->normals[2]) * at.z;
+static float3 shading_normal(__global const uint* normals, float3 at, float3 geometric) {
+    if (normals[0] == 0u || normals[1] == 0u || normals[2] == 0u) return geometric;
+    float3 n =
+        unpacked_normal(normals[0]) * at.x + unpacked_normal(normals[1]) * at.y + unpacked_normal(normals[2]) * at.z;
     float size = sqrt(surface_dot(n, n));
     if (!(size > 1e-3f)) return geometric;
     n /= size;
@@ -71,54 +78,57 @@ static float3 shading_normal(__global const SurfaceRecord* record, float3 at, fl
 }
 
 // The sine of the largest angle between the triangle's normal and a corner's; 0 if corners have none.
-static float spread_of_normals(__global const SurfaceRecord* record, float3 geometric) {
+static float spread_of_normals(__global const uint* normals, float3 geometric) {
     float least = 1.0f;
     for (int i = 0; i < 3; ++i) {
-        if (record->normals[i] == 0u) return 0.0f;
-        least = fmin(least, fabs(surface_dot(unpacked_normal(record->normals[i]), geometric)));
+        if (normals[i] == 0u) return 0.0f;
+        least = fmin(least, fabs(surface_dot(unpacked_normal(normals[i]), geometric)));
     }
     return sqrt(fmax(1.0f - least * least, 0.0f));
 }
 
-static float3 albedo_of(__global const SurfaceRecord* record, const Barycentric* at, bool has_colors,
-                        __global const SurfaceMaterial* materials, __global const SurfaceTexture* textures,
-                        __global const uchar4* texels, __global const float* decoded) {
-    SurfaceMaterial material = materials[record->material];
+static float3 albedo_of(const SurfaceArrays* of, size_t slot, const Barycentric* at, bool has_colors,
+                        __global const SurfaceMaterial* materials, __global const uchar4* texels,
+                        __global const float* decoded) {
+    SurfaceMaterial material = materials[of->materials[slot]];
     float3 albedo = surface_vector(material.base_color);
     if (has_colors) {
-        __global const float* c = record->colors;
+        __global const float* c = of->colors + 9 * slot;
         albedo *= clamp(vload3(0, c) * at->at.x + vload3(1, c) * at->at.y + vload3(2, c) * at->at.z, 0.0f, 1.0f);
     }
-    if (material.texture == GN_NO_ID) return albedo;
-    SurfaceTexture of = textures[material.texture];
-    Texels texture = {texels + of.first_texel, decoded, of.width, of.height, material.wrap_u, material.wrap_v};
-    TextureArea area = {blended_coordinates(record, at->at), blended_coordinates(record, at->across),
-                        blended_coordinates(record, at->down)};
-    return albedo * filtered(&texture, &area, material.is_nearest != 0u);
+    if (material.width == 0u) return albedo;
+    Texels texture = {
+        texels + material.first_texel, decoded, material.width, material.height, material.wrap_u, material.wrap_v};
+    __global const float* uv = of->coordinates + 6 * slot;
+    TextureArea area = {blended_coordinates(uv, at->at), blended_coordinates(uv, at->across),
+                        blended_coordinates(uv, at->down)};
+    return albedo * filtered(&texture, &area, material.is_nearest != 0u, material.minification);
 }
 
-// `slots`: the record's slot for each pixel, or GN_NO_ID. Sky: 0.
+// `slots`: of each pixel, or GN_NO_ID. `normals`: the geometric ones, in whose place the shading normals are written.
+// Sky: 0.
 __kernel void surfaces(SurfaceParams params, __global const float* vertices, __global const uint* visible,
-                       __global const uint* slots, __global const float* normals, __global const SurfaceRecord* records,
-                       __global const SurfaceMaterial* materials, __global const SurfaceTexture* textures,
+                       __global const uint* slots, __global const uint* triangle_material,
+                       __global const float* coordinates, __global const float* corner_colors,
+                       __global const uint* corner_normals, __global const SurfaceMaterial* materials,
                        __global const uchar4* texels, __global const float* decoded, __global float* albedos,
-                       __global float* shading_normals, __global float* spreads) {
+                       __global float* normals, __global float* spreads) {
+    SurfaceArrays of = {triangle_material, coordinates, corner_colors, corner_normals};
     GN_FOR_EACH(pixel, params.width * params.height) {
-        float3 albedo = (float3)(0.0f), normal = albedo;
+        float3 albedo = (float3)(0.0f);
         float spread = 0.0f;
-        if (slots[pixel] != GN_NO_ID) {
-            __global const SurfaceRecord* record = records + slots[pixel];
+        size_t slot = slots[pixel];
+        if (slot != GN_NO_ID) {
             Triangle t = load_triangle(vertices + params.triangles.first_float, visible[pixel]);
             Barycentric at = barycentric_of(t, params, (float)(pixel % params.width), (float)(pixel / params.width));
-            albedo = albedo_of(record, &at, params.has_colors != 0u, materials, textures, texels, decoded);
+            albedo = albedo_of(&of, slot, &at, params.has_colors != 0u, materials, texels, decoded);
             if (params.has_normals != 0u) {
-                normal = shading_normal(record, at.at, vload3(pixel, normals));
-                spread = spread_of_normals(record, vload3(pixel, normals));
+                float3 geometric = vload3(pixel, normals);
+                vstore3(shading_normal(corner_normals + 3 * slot, at.at, geometric), pixel, normals);
+                spread = spread_of_normals(corner_normals + 3 * slot, geometric);
             }
         }
         vstore3(albedo, pixel, albedos);
-        if (params.has_normals == 0u) continue;
-        vstore3(normal, pixel, shading_normals);
-        spreads[pixel] = spread;
+        if (params.has_normals != 0u) spreads[pixel] = spread;
     }
 }

@@ -2,10 +2,13 @@
 // Contract of the surfaces of a picture: what a pixel shows before light falls on it, its albedo and its shading
 // normal. Pictures only: nothing here decides visibility.
 //
-// The host gathers a record for each triangle that the picture shows (its slot), with what the corners have: texture
-// coordinates, colours, normals. A pixel's barycentric coordinates are those of its centre's ray, weights w_i . d with
-// w_a = (B - E) x (C - B) and so on, which are linear in the ray's direction d: so their derivatives per pixel, the
-// area of the pixel in the texture, are exact for the pinhole camera (Igehy 1999, "Tracing Ray Differentials").
+// What triangles have lies in arrays by slot: a material, and the corners' texture coordinates, linear colours and
+// normals (16 bits each of the octahedral map's x and y, pack_normal(); 0: the corner has none). A slot is a triangle's
+// id; where the arrays of all triangles do not fit, the host gathers those of the shown triangles and numbers them.
+//
+// A pixel's barycentric coordinates are those of its centre's ray, weights w_i . d with w_a = (B - E) x (C - B) and so
+// on, which are linear in the ray's direction d: so their derivatives per pixel, the area of the pixel in the texture,
+// are exact for the pinhole camera (Igehy 1999, "Tracing Ray Differentials").
 //
 // Texels: 8-bit sRGB, and a weight. Each texture has all its levels, one behind the other, each of half the sides
 // (rounded down, at least 1). Texels are decoded before they are filtered.
@@ -18,8 +21,13 @@
 #define SURFACE_MIRROR 1u
 #define SURFACE_CLAMP 2u
 
+// How texels smaller than pixels are filtered, as in TextureMinification.
+#define SURFACE_MEAN 0u
+#define SURFACE_MINIFY_LINEAR 1u
+#define SURFACE_MINIFY_NEAREST 2u
+
 // The most probes of a pixel, each trilinear, along its longer axis.
-#define SURFACE_MOST_PROBES 16
+#define SURFACE_MAX_PROBES 16
 
 GN_STRUCT_BEGIN(SurfaceParams)
     TrianglesLayout triangles;
@@ -28,28 +36,16 @@ GN_STRUCT_BEGIN(SurfaceParams)
     float across[3];  // from a pixel to the next in its row
     float down[3];    // and in its column
     uint width, height;
-    uint has_colors;   // 0: records' colours are not read
+    uint has_colors;   // 0: corners' colours are not read
     uint has_normals;  // 0: shading normals are not written
 GN_STRUCT_END(SurfaceParams, 80)
 
-// A triangle that the picture shows. Normals: 16 bits each of the octahedral map's x and y (pack_normal()).
-GN_STRUCT_BEGIN(SurfaceRecord)
-    float coordinates[6];  // u and v of the corners
-    float colors[9];       // linear
-    uint normals[3];       // 0: the corner has none
-    uint material;
-    uint padding;
-GN_STRUCT_END(SurfaceRecord, 80)
-
 GN_STRUCT_BEGIN(SurfaceMaterial)
     float base_color[3];
-    uint texture;  // GN_NO_ID: none
+    uint is_nearest;     // 1: magnified texels are squares
+    ulong first_texel;   // of the texture
+    uint width, height;  // of its first level; 0: there is no texture
     uint wrap_u, wrap_v;
-    uint is_nearest;  // 1: magnified texels are squares
+    uint minification;  // as in TextureMinification
     uint padding;
-GN_STRUCT_END(SurfaceMaterial, 32)
-
-GN_STRUCT_BEGIN(SurfaceTexture)
-    ulong first_texel;
-    uint width, height;  // of the first level
-GN_STRUCT_END(SurfaceTexture, 16)
+GN_STRUCT_END(SurfaceMaterial, 48)

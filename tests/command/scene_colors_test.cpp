@@ -40,12 +40,12 @@ constexpr const char* png_large =
 
 int decoded_images = 0;
 
-scene::ColorImage decoded(std::span<const unsigned char> bytes, std::uint64_t most_bytes) {
+scene::ColorImage decoded(std::span<const unsigned char> bytes, std::uint64_t max_bytes) {
 #ifdef __SANITIZE_ADDRESS__
     const __lsan::ScopedDisabler disabled;  // as in scene_cut_outs_test.cpp
 #endif
     ++decoded_images;
-    app::RgbaImage image = app::read_colors(bytes, most_bytes);
+    app::RgbaImage image = app::read_colors(bytes, max_bytes);
     return {image.width, image.height, std::move(image.rgba)};
 }
 scene::SceneCutOuts::Texture alpha_decoded(std::span<const unsigned char> bytes) {
@@ -83,6 +83,19 @@ TEST_F(SceneColorsFile, ATextureIsLoaded) {
     const scene::Scene without = load(textured_file());
     EXPECT_TRUE(without.colors.texture_uses.empty() && without.texture_coordinates.empty());
     EXPECT_TRUE(without.warnings.empty());
+}
+
+TEST_F(SceneColorsFile, MinificationIsThatOfTheSampler) {
+    const auto of = [&](const std::string& sampler) {
+        Gltf gltf = textured_file();
+        gltf.set("/samplers", "[{" + sampler + "}]");
+        return load(gltf, with_colors).colors.texture_uses.at(0).minification;
+    };
+    EXPECT_EQ(of(R"("minFilter": 9728)"), TextureMinification::nearest);
+    EXPECT_EQ(of(R"("minFilter": 9729)"), TextureMinification::linear);
+    for (int with_levels = 9984; with_levels <= 9987; ++with_levels)
+        EXPECT_EQ(of("\"minFilter\": " + std::to_string(with_levels)), TextureMinification::mean);
+    EXPECT_EQ(of(R"("magFilter": 9728)"), TextureMinification::mean);
 }
 
 TEST_F(SceneColorsFile, ImagesOfAllKindsGiveRgba) {

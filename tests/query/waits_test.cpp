@@ -128,6 +128,9 @@ TEST_F(Waits, OfCppAreThoseOfTheTable) {
     const std::array<Visibility, 2> both{visibility, second};
     const Surfaces surfaces = quietly([&] { return Surfaces(device, triangles, view, grey); });
     const Visibility& counts = second;  // as many bytes
+    const Appearance appearance = quietly([&] { return Appearance::upload(device, grey); });
+    const View large_view = quietly([&] { return look(device, triangles, camera, 1200, 900); });
+    const Visibility rgba(device, 16 * 12);  // as many bytes
     const Points opaque =
         quietly([&] { return Points::upload(device, Floats(900), std::vector<std::uint32_t>(300, no_cut_out)); });
     CutOutBuffers cut_outs;
@@ -150,9 +153,13 @@ TEST_F(Waits, OfCppAreThoseOfTheTable) {
         {"look", [&] { look(device, triangles, camera, 16, 12); }},
         {"CameraPass::look", [&] { pass.look(triangles, camera, 16, 12); }},
         {"View::read", [&] { view.read(device, triangles); }},
+        {"Appearance::upload", [&] { Appearance::upload(device, grey); }},
+        {"Appearance::surfaces", [&] { appearance.surfaces(triangles, view); },
+         [&] { Appearance::upload(device, grey).surfaces(triangles, large_view); }},
         {"Surfaces::Surfaces", [&] { Surfaces(device, triangles, view, grey); }},
-        {"Surfaces::read", [&] { surfaces.read(grey); }},
+        {"Surfaces::read", [&] { surfaces.read(); }},
         {"shade", [&] { shade(surfaces, std::span(&picture, 1), std::span(&light, 1)); }},
+        {"shade_into", [&] { shade_into(rgba.buffer(), surfaces, std::span(&picture, 1), std::span(&light, 1)); }},
         {"VertexFans::find", [&] { VertexFans::find(device, vertices, std::span(vertices).first(3)); }},
         {"VertexFans::extended", [&] { fans.extended(); }},
         {"make_technique", [&] { make_technique("frustum-traced", device); }},
@@ -181,6 +188,58 @@ TEST_F(Waits, OfCppAreThoseOfTheTable) {
     });
     expect_table("gnomon.hpp", cases,
                  device.description().type == "CPU" && std::getenv("GNOMON_GPU_KERNELS") == nullptr);
+}
+
+/// The bytes that a call copies between host and device, by the trace.
+std::size_t crossing_bytes_of(const std::function<void()>& call) {
+    testing::internal::CaptureStderr();
+    call();
+    std::istringstream trace(testing::internal::GetCapturedStderr());
+    std::size_t bytes = 0;
+    for (std::string line; std::getline(trace, line);) {
+        std::istringstream words(line);
+        std::string gnomon, of, verb;
+        std::size_t some = 0;
+        if (words >> gnomon >> of >> verb && (verb == "writing" || verb == "reading") && words >> some) bytes += some;
+    }
+    return bytes;
+}
+
+// The second frame of a scene that stands still, with all that surfaces may have: what crosses between host and device
+// beside the picture, which a caller may also leave in a buffer.
+TEST_F(Waits, OnlyThePictureLeavesTheDevice) {
+    constexpr std::uint32_t width = 320, height = 180, pixels = width * height;
+    const auto technique = quietly([&] { return make_technique("frustum-traced", device); });
+    auto triangles = quietly([&] { return Triangles::upload(device, vertices); });
+    const Materials materials{std::vector<std::uint32_t>(300, 0), {{0.5f, 0.5f, 0.5f}}};
+    const Floats coordinates = support::random_points(600, 0, 1, 5), colors(2700, 0.75f);
+    const std::vector<std::uint32_t> normals(900, pack_normal({1, 2, 3}));
+    const std::vector<std::uint8_t> texels(4 * 64 * 64, 100);
+    const ColorTexture texture{64, 64, texels};
+    const ColorTextureUse use{0};
+    const Appearance appearance = quietly([&] {
+        return Appearance::upload(device, materials, {coordinates, colors, normals, {&use, 1}, {&texture, 1}});
+    });
+    const Lights sky = sky_patches({0, 1, 0}, {0, 0, -1}, 1);
+    const Visibility visibility(device, pixels), sums(device, 2 * pixels), rgba(device, pixels);
+    CameraPass pass(device);
+    std::optional<View> view;
+    ShadeOptions options;
+    const auto surfaces_of_frame = [&] {
+        view.reset();
+        view = pass.look(triangles, camera, width, height);
+        technique->run(triangles, view->points, light, visibility);
+        return appearance.surfaces(triangles, *view);
+    };
+    const auto frame = [&] { shade(surfaces_of_frame(), std::span(&visibility, 1), std::span(&light, 1), options); };
+    const auto frame_into_buffer = [&] {
+        shade_into(rgba.buffer(), surfaces_of_frame(), std::span(&visibility, 1), std::span(&light, 1), options);
+    };
+    EXPECT_GT(crossing_bytes_of(frame), 4 * pixels + 4096u) << "the first frame brings the camera's rays";
+    EXPECT_LE(crossing_bytes_of(frame), 4 * pixels + 4096u);
+    EXPECT_LE(crossing_bytes_of(frame_into_buffer), 4096u);
+    options = {.exposure_ev = std::nullopt, .sky_sums = sums.buffer()};
+    EXPECT_LE(crossing_bytes_of(frame_into_buffer), 4096u);
 }
 
 // A run waits whatever the facing, and progress makes each of its reports wait.

@@ -48,7 +48,7 @@ struct Square {
             detail.texture_uses = {&use, 1};
             detail.textures = {&texture, 1};
         }
-        return Surfaces(device, on_device, view, materials, detail).read(materials);
+        return Surfaces(device, on_device, view, materials, detail).read();
     }
     /// The square fills the picture.
     SurfacesOnHost filling(std::uint32_t side, const DeviceOptions& options = {}) const {
@@ -136,6 +136,31 @@ TEST(Surfaces, FarAwayTheyAreTheLinearMean) {
         EXPECT_NEAR(seen.albedo[3 * 4], mean, 0.005) << width << "x" << height;  // half a step of the 8 bits
         EXPECT_EQ(seen.albedo[0], 0) << "sky";
     }
+}
+
+/// A texture of 8 x 8 texels on a square that fills one pixel of nine: 2 x 2 black or white texels are in its middle.
+TEST(Surfaces, SmallTexelsAreFilteredAsTheSamplerSays) {
+    const auto of = [](TextureMinification minification, std::size_t white) {
+        Square square;
+        square.use.minification = minification;
+        std::vector<std::uint8_t> values(64, 0);
+        values[white] = 255;
+        square.with_texture(8, 8, grey(values));
+        // A little to the right and up: the pixel's centre lies in texel (3, 4), left of and below the middle.
+        const float off = 0.05f;
+        return square.seen(Camera::look_at({-off, -off, 3}, {-off, -off, 0}, {0, 1, 0}, 90), 3, 3).albedo[12];
+    };
+    const auto at = [](std::size_t x, std::size_t y) { return 8 * y + x; };
+    // (u, v) of the centre: .5 - .025, .5 + .025, in texels 3.8 and 4.2, from the centre of (3, 4) .3 and -.3.
+    EXPECT_EQ(of(TextureMinification::nearest, at(3, 4)), 1);
+    for (const std::size_t other : {at(4, 4), at(3, 3), at(4, 3)})
+        EXPECT_EQ(of(TextureMinification::nearest, other), 0);
+    EXPECT_NEAR(of(TextureMinification::linear, at(3, 4)), 0.49, 1e-4);
+    EXPECT_NEAR(of(TextureMinification::linear, at(4, 4)), 0.21, 1e-4);
+    EXPECT_NEAR(of(TextureMinification::linear, at(4, 3)), 0.09, 1e-4);
+    EXPECT_EQ(of(TextureMinification::linear, at(0, 0)), 0);
+    for (const std::size_t any : {at(3, 4), at(0, 0), at(7, 2)})
+        EXPECT_NEAR(of(TextureMinification::mean, any), 1 / 64.0, 0.002) << "all texels weigh alike";
 }
 
 TEST(Surfaces, ClearTexelsGiveNoColourWhereAlphaWeighs) {
@@ -249,7 +274,7 @@ TEST(Surfaces, TexturesThatDoNotFitLoseTheirFinestLevels) {
         {.texture_coordinates = square.coordinates, .texture_uses = {&square.use, 1}, .textures = {&texture, 1}});
     EXPECT_GE(surfaces.left_out_levels(), 2u);  // 22 MiB, 5.6 MiB, 1.4 MiB
     EXPECT_LT(surfaces.texture_bytes(), 3u << 20);
-    for (const float albedo : surfaces.read(square.materials).albedo) EXPECT_EQ(albedo, 1);
+    for (const float albedo : surfaces.read().albedo) EXPECT_EQ(albedo, 1);
 }
 
 // Two squares, each with a texture of its own, and views of one at a time.
@@ -271,8 +296,8 @@ TEST(Surfaces, TexturesAreKeptFromViewToView) {
         const SurfaceDetail detail{coordinates, {}, {}, uses, textures};
         const Surfaces alone(device, on_device, view, materials, detail);
         const Surfaces with_kept(device, on_device, view, materials, detail, &kept);
-        const Floats wanted = alone.read(materials).albedo;
-        EXPECT_EQ(with_kept.read(materials).albedo, wanted);
+        const Floats wanted = alone.read().albedo;
+        EXPECT_EQ(with_kept.read().albedo, wanted);
         EXPECT_NE(wanted[0], wanted[3 * 63]);
         return wanted;
     };

@@ -128,6 +128,8 @@ private:
     std::unique_ptr<Technique> technique_;
     std::optional<CameraPass> camera_;
     std::optional<View> view_;  ///< of the last frame
+    std::optional<Appearance> appearance_;
+    std::optional<Visibility> picture_;  ///< its buffer: as many bytes
     std::vector<double> keep_ms_;
 };
 

@@ -12,11 +12,11 @@ function commas(text, level,    n, rest, name, depth) {
         if (name == "(") ++depth
         else if (name == ")") --depth
         else if (name == ",") { if (!depth) ++n }
-        else if ((name in bodies) && level < 4) n += most_commas(name, level + 1)
+        else if ((name in bodies) && level < 4) n += max_commas(name, level + 1)
     }
     return n
 }
-function most_commas(name, level,    i, n, most) {
+function max_commas(name, level,    i, n, most) {
     most = 0
     for (i = 1; i <= bodies[name]; ++i) if ((n = commas(body[name, i], level)) > most) most = n
     return most

@@ -62,6 +62,15 @@ class _OnDevice:
         self.device = device
         self.triangles = triangles
         self._techniques: dict[tuple[str, tuple[tuple[str, str], ...]], _gnomon.Technique] = {}
+        self._appearance: _gnomon.Appearance | None = None
+
+    def appearance(
+        self, material: NDArray[np.uint32], base_color: list[tuple[float, float, float]]
+    ) -> _gnomon.Appearance:
+        """The scene's, uploaded once. Call it in the device's thread."""
+        if self._appearance is None:
+            self._appearance = _gnomon.Appearance.upload(self.device.native, material, base_color)
+        return self._appearance
 
     def technique(self, wanted: Technique) -> _gnomon.Technique:
         """Call it in the device's thread."""
@@ -210,6 +219,7 @@ class Scene:
         self.lattice: _world.Lattice | None = None
         self._count = 0
         self._device_name: str | None = None
+        self._opened: Device | None = None
         self._uploads: dict[Device, _OnDevice] = {}
         self._moved: dict[tuple[int, ...], _OnDevice] = {}  # on a lattice: the triangles near the last view's eye
         self._is_closed = False
@@ -239,7 +249,7 @@ class Scene:
             corners = None if faces is None else _arrays.on_host(faces, "faces")
             self._cut_outs = _cut_outs.native_of(cut_outs, corners, self._count)
         self._device_name = device if isinstance(device, str) else None
-        self._opened: Device | None = device if isinstance(device, Device) else self._open_device()
+        self._opened = device if isinstance(device, Device) else self._open_device()
 
     def _open_device(self) -> Device:
         return default_device() if self._device_name is None else open_device(self._device_name)
@@ -941,10 +951,12 @@ class View:
         values = self._values(light, samples, technique)
         material = self._material if self._material is not None else np.zeros(self._count, np.uint32)
         upload = self._upload
-        return upload.device.call(
-            _gnomon.shade,
-            upload.device.native, upload.triangles, self._seen, [values], material, self._base_color, [light],
-        )  # fmt: skip
+
+        def shade() -> NDArray[np.uint8]:
+            appearance = upload.appearance(material, self._base_color)
+            return _gnomon.shade(appearance, upload.triangles, self._seen, [values], [light])
+
+        return upload.device.call(shade)
 
     def __repr__(self) -> str:
         return f"<gnomon.View of {self.width} x {self.height} pixels>"
