@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import _gnomon
+from .. import _arrays, _gnomon
 from . import cityjson
 from .rasters import UnreadableError, stamp_of
 from .units import require_crs_of_mesh
@@ -51,6 +51,7 @@ def _load(name: str, stamp: tuple[int, int] | None) -> MeshFile:
         raise UnreadableError(text if text.startswith(name) else f"{name}: cannot be read: {error}") from error
     if not np.isfinite(mesh.triangles).all():
         raise UnreadableError(f"{name}: a coordinate is not finite")
+    _arrays.require_no_fill_values(mesh.triangles.reshape(-1, 9), name)
     if not len(mesh.triangles):
         mesh = mesh._replace(notes=(*mesh.notes, "has no triangles"))
     return mesh

@@ -22,6 +22,10 @@ class UnreadableError(OSError):
     """A part of the casters cannot be read."""
 
 
+class UndeclaredNoDataError(ValueError):
+    """A raster has a value that no ground has, and does not declare that it stands for no data."""
+
+
 class _File(NamedTuple):
     name: str
     row: int  # its first cell's in the mosaic
@@ -97,7 +101,38 @@ def _read(name: str, row: int, column: int, rows: int, columns: int) -> NDArray[
         _opened.cache_clear()  # the next read opens the file again
         raise UnreadableError(f"{name}: cannot be read: {error}") from error
     heights[~np.isfinite(heights)] = np.nan
+    _require_declared(masked, name, row, column)
     return heights
+
+
+#: Heights that stand for no data wherever they occur.
+NO_HEIGHTS = (-9999.0, -99999.0, -999999.0, -32768.0, -32767.0, 1e20, -1e20)
+
+
+def _require_declared(masked: Any, name: str, row: int, column: int) -> None:
+    """Values as they lie in the file, without its scale. The extremes of a type of 16 bits or more are no heights, nor
+    is anything of 1e30 or more."""
+    values, dtype = np.ma.getdata(masked), masked.dtype
+    is_there = ~np.ma.getmaskarray(masked) & np.isfinite(values)
+    if not is_there.any():
+        return
+    low, high = values[is_there].min(), values[is_there].max()
+    if low > -9999 and high < 32767:
+        return
+    if dtype.kind in "iu":
+        limits = np.iinfo(dtype)
+        extremes = [n for n in (limits.min, limits.max) if n != 0 and dtype.itemsize > 1]
+        is_wrong = np.isin(values, np.array([*extremes, *(n for n in NO_HEIGHTS if limits.min <= n <= limits.max)]))
+    else:
+        is_wrong = (np.abs(values) >= 1e30) | np.isin(values, np.array(NO_HEIGHTS, dtype))
+    found = np.argwhere(is_wrong & is_there)
+    if len(found):
+        value = values[tuple(found[0])].item()
+        _opened.cache_clear()  # the next read sees what is declared then
+        raise UndeclaredNoDataError(
+            f"{name}: the cell in row {row + found[0][0]}, column {column + found[0][1]} is {value:.9g}, which is no "
+            f"height, and the file does not declare that it stands for no data: rio edit-info --nodata {value!r} {name}"
+        )
 
 
 def open_mosaic(names: tuple[str, ...], height_unit: str | None = None) -> Mosaic:
