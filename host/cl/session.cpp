@@ -259,7 +259,9 @@ void Session::enqueue(const BuiltKernel& kernel, const char* name, Range range) 
 
 const Buffer& Session::shares_buffer() {
     constexpr std::size_t bytes = 256;  // prelude.h
-    if (shares_.get() == nullptr) reserve_filled(shares_, 0, bytes);
+    if (shares_.get() != nullptr) return shares_;
+    reserve_filled(shares_, 0, bytes);
+    memory_bytes_ -= shares_.bytes();  // the session's own: nobody gets it back before the session ends
     return shares_;
 }
 

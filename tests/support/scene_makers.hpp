@@ -174,6 +174,20 @@ inline Floats placed(Floats floats, double scale, const std::array<double, 3>& o
     return floats;
 }
 
+/// Each coordinate, less than 4 in size, on the grid of 2^-20, so that midpoints are exact floats.
+inline Floats on_grid(Floats floats) {
+    for (float& v : floats) v = std::ldexp(std::round(std::ldexp(v, 20)), -20);
+    return floats;
+}
+/// The middle of each triangle's first edge: in the triangle's plane, which no arithmetic but integers can tell where
+/// coordinates have many bits.
+inline Floats edge_middles(const Floats& triangles) {
+    Floats middles;
+    for (std::size_t i = 0; i + 9 <= triangles.size(); i += 9)
+        for (std::size_t c = 0; c < 3; ++c) middles.push_back((triangles[i + c] + triangles[i + 3 + c]) / 2);
+    return middles;
+}
+
 /// A permutation that takes new index to old (Fisher and Yates).
 inline std::vector<std::uint32_t> shuffled_order(std::size_t count, std::uint64_t seed) {
     Random random(seed);

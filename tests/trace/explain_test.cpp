@@ -93,6 +93,9 @@ TEST(Explain, AgreesWithARunAndWithTheReference) {
             scene.receivers.push_back(i % std::uint32_t(scene.triangles.size() / 9));
         scene.eye = {20, 30, 40};
         expect_explained(device, scene, seen);
+        scene = {on_grid(soup(300, 0.4f, 2)), {}, std::vector<std::uint32_t>(300, gnomon::no_receiver), light, {}};
+        scene.points = edge_middles(scene.triangles);
+        expect_explained(device, scene, seen);
         scene.triangles = soup(300, 0.4f, 2);
         scene.light = light;
         scene.points = points_behind(scene.triangles, light, 5000, 3, 7);

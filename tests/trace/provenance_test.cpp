@@ -151,6 +151,8 @@ TEST(Provenance, CountWhatTheStatisticsCount) {
             for (std::uint32_t i = 0; i < 3000; ++i) ties.receivers.push_back(i % std::uint32_t(blocks.size() / 9));
             ties.eye = Float3{20, 30, 40};
             expect_counts(ties, settings, seen);
+            const Floats fine = on_grid(triangles);
+            expect_counts({"middles of edges, " + name, fine, edge_middles(fine), light}, settings, seen);
         }
     for (const char* const what :
          {"map", "queue overflow", "decided_by_float, lit", "decided_by_float, shadowed", "decided_by_integers, lit",
