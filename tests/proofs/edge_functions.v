@@ -25,6 +25,8 @@ Definition size :=
   Add (Add (Abs (Mul (Given a_x 0) (Diff b_y a_y))) (Abs (Mul (Given a_y 0) (Diff b_x a_x)))) (Mul (Add (Add (Abs
     (Mul (Given a_x 0) (Diff b_z a_z))) (Abs (Mul (Given a_z 0) (Diff b_x a_x)))) (Add (Abs (Mul (Given a_y 0) (Diff
     b_z a_z))) (Abs (Mul (Given a_z 0) (Diff b_y a_y))))) (Given reach 0)).
+(* bound = bound_constant * size *)
+Definition bound_constant : Q := 3 # 8388608.
 (* end: from the kernels *)
 
 Section Edge.
@@ -38,7 +40,6 @@ Lemma value_is_the_edge_function :
                  x a_z * (x b_x * x Y - x b_y * x X).
 Proof. cbv [value real]. ring. Qed.
 
-Definition bound_constant : Q := 6 # 2 ^ 24.
 Definition least_bound := Eval vm_compute in rate u32Q value size.
 
 Definition any : Q := 2 ^ 129.

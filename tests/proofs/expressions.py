@@ -112,7 +112,7 @@ class Probe:
     """Executes one kernel, without branches, on symbols."""
 
     def __init__(self, llvm):
-        match = re.search(r"define [^@]*@(\w+)\((.*)\) [^()\n]*\{\n((?:[^}].*\n|\n)*)\}", llvm)
+        match = re.search(r"define [^@]*@(probe)\((.*)\) [^()\n]*\{\n((?:[^}].*\n|\n)*)\}", llvm)
         if not match:
             fail("the probe has no kernel")
         self.values, self.outputs, self.inputs = {}, {}, []
