@@ -235,7 +235,7 @@ def derive(probe):
     made = subprocess.run(
         [clang, "-x", "cl", "-cl-std=CL1.2", "-Xclang", "-finclude-default-header", "-target", "spir64-unknown-unknown",
          "-fno-discard-value-names", "-fno-vectorize", "-fno-slp-vectorize", "-DGN_LANES=1",
-         f"-I{KERNELS}", "-O2", "-S", "-emit-llvm", "-w", "-o", "-", str(probe)], capture_output=True, text=True)
+         f"-I{KERNELS}", "-O2", "-mllvm", "-inline-threshold=100000", "-S", "-emit-llvm", "-w", "-o", "-", str(probe)], capture_output=True, text=True)
     if made.returncode != 0:
         fail(f"clang refuses {probe}:\n{made.stderr}")
     found = Probe(made.stdout)
