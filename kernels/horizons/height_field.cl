@@ -12,7 +12,8 @@ static Triangle triangle_over_ground(const HeightField field, __global const flo
     return (Triangle){over_ground(field.axis, t.a), over_ground(field.axis, t.b), over_ground(field.axis, t.c)};
 }
 
-// Twice the area of a triangle with the edges e and f over the ground; *bound is more than its error (tests/proofs/winding.v).
+// Twice the area of a triangle with the edges e and f over the ground; *bound is more than its error
+// (tests/proofs/winding.v).
 static float area_over_ground(float3 e, float3 f, float* bound) {
     float left = e.x * f.y, right = e.y * f.x;
     float sizes = 1.0f + fabs(e.x) + fabs(e.y) + fabs(f.x) + fabs(f.y);

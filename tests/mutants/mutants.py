@@ -4,8 +4,8 @@
 
 usage: mutants.py BUILD [--turn N|git | --all]     BUILD: a build folder with the tests
 --turn N runs the ten faults whose turn it is (`git`: by the number of the commit), --all all of them; else it only sees
-that each fault's text is still in the kernels. A fault that nothing notices is an error; so is a noticed `equivalent`
-one, which is tried with all other checks of its file (--all).
+that each fault's text is still in the kernels. A fault that its check does not notice is an error; so is a noticed one that
+the list calls equivalent, or says to survive: it is tried with the first test that the list has for its file.
 """
 import os
 import shutil
@@ -56,12 +56,12 @@ def run(faults, build):
             plant(fault, Path(made) / "kernels")
             file, old, new, check = fault
             began = time.monotonic()
-            equivalent = check.startswith("equivalent")
+            may_live = check.startswith(("equivalent", "survives"))
             checks = [f[3] for f in read_list() if f[0] == file and f[3].split()[0].endswith("_test")][:1] \
-                if equivalent else [check]
+                if may_live else [check]
             noticed = any(is_noticed(c.split(), Path(made) / "kernels", build) for c in checks)
-            survivors += noticed == equivalent
-            verdict = "noticed" if noticed else check if equivalent else "SURVIVES"
+            survivors += noticed == may_live
+            verdict = "noticed" if noticed else check if may_live else "SURVIVES"
             print(f"{file}: '{old}' -> '{new}': {verdict} ({', '.join(checks)}; {time.monotonic() - began:.0f} s)", flush=True)
     return survivors
 
