@@ -42,6 +42,8 @@ COMMUTATIVE = ("add", "mul", "max", "min", "and", "or")
 def node(operation, *operands):
     if operation in COMMUTATIVE or operation == "fma":
         operands = tuple(sorted(operands[:2], key=repr)) + operands[2:]
+    if operation in ("max", "min") and operands[0] == operands[1]:
+        return operands[0]
     if operation in ("neg", "abs") and operands[0][0] == "const":
         value = operands[0][1]
         return ("const", -value if operation == "neg" else abs(value))

@@ -11,6 +11,6 @@ __kernel void probe(float3 a, float3 b, float3 c, float3 eye, float scale, float
     plane.n = scaled(normals.value, scale);
     plane.minus_offset = minus_plane_offset(plane.n, at_a);
     *value = height_above_plane(&plane, eye);
-    *size = A + E;
-    *bound = (A + E) * PLANE_BOUND;
+    *size = A + fabs(E);
+    *bound = plane_bound(A, (float3)(E, E, E));
 }

@@ -32,9 +32,11 @@ Definition value :=
     (Mul (Diff b_z a_z) (Diff c_x a_x)) (Mul (Diff b_x a_x) (Diff c_z a_z)))))) (Mul (Given a_z 0) (Mul (Given scale
     0) (Sub (Mul (Diff b_x a_x) (Diff c_y a_y)) (Mul (Diff b_y a_y) (Diff c_x a_x))))))).
 Definition size :=
-  Add (Given A 0) (Given E 0).
+  Add (Abs (Given E 0)) (Given A 0).
+(* bound: where size <= 1.2676506002282294e+30 *)
 (* bound = bound_constant * size *)
 Definition bound_constant : Q := 1 # 524288.
+Definition bound_rest : Q := 1 # 1329227995784915872903807060280344576.
 (* end: from the kernels *)
 
 Section Plane.
@@ -95,7 +97,7 @@ Proof.
   intros. eapply float_error_of_normal_numbers with (size := thrice) (m := any) (d := any); try eassumption.
   - vm_compute. reflexivity.
   - apply products.
-  - cbv [thrice size real permanent]. rewrite HE, HA.
+  - cbv [thrice size real permanent]. rewrite !HE, HA.
     rewrite (Rabs_pos_eq (Q2R (3 * (1048577 # 1048576)))) by (unfold Q2R; simpl; lra). reflexivity.
 Qed.
 End Plane.
