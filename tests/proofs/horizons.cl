@@ -14,7 +14,8 @@ __kernel void probe(float3 a, float3 b, float3 at, __global const HorizonSector*
     StripTriangle t;
     set_corner(&t, 0u, (PointBlock){a.x, a.y, a.z}, &block, sector, &field);
     set_corner(&t, 1u, (PointBlock){b.x, b.y, b.z}, &block, sector, &field);
-    *value = fma(t.q[0], t.across[1], -(t.across[0] * t.q[1]));
+    LaneFloat bound_of_value;
+    *value = area_with_point(&t, 0u, 1u, &bound_of_value);
     *size = t.distance[0] * t.distance[1];
-    *bound = 0x1p-19f * t.distance[0] * t.distance[1];
+    *bound = bound_of_value;
 }
