@@ -43,7 +43,7 @@ endmacro()
 gnomon_wing(cl description embedded_files opencl program session)
 gnomon_wing(simd frame_counters lanes points point_blocks projection triangle_blocks)
 gnomon_wing(exact wide soft_double accumulator det3 det3_lanes blocks cut_outs cut_outs_exact decide_pair normal_side predicates small_cases self_check)
-gnomon_wing(lists append fill group_scan scan sort morton whole_to_float)
+gnomon_wing(lists append fill group_scan scan shares sort morton whole_to_float)
 gnomon_wing(query device errors inputs light_and_camera parts settings_table statistics variants
             library faults regressions leaves waits)
 gnomon_wing(lattice world_lattice world_lattice_mesh)
@@ -74,7 +74,7 @@ gnomon_wing(technique technique frustum_traced)
 gnomon_wing(c c_interface c_interface_lattice c_interface_lights c_interface_results c_interface_runs)
 
 # Libraries of their own (host/CMakeLists.txt), which the core does not know.
-gnomon_wing(shading texture mip_levels appearance surface metering shade received_light c_interface_shading)
+gnomon_wing(shading texture mip_levels appearance surface metering shade picture_mean received_light c_interface_shading)
 gnomon_wing(rivals rivals framed_technique conservative_map_alone shadow_volumes sub_pixel_shadow_map izb)
 gnomon_wing(rivals/rasterizer map_view depth_pass caster drawing window_depths caster_lanes caster_windows caster_chunks)
 gnomon_wing(rivals/shadow_map map_projection homography partition texel_footprint depth_pass lookup depth_lookup moments mip_chain moment_lookup

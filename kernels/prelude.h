@@ -47,20 +47,70 @@
 #define GN_FOR_EACH(i, n) for (size_t i = get_global_id(0); i < (size_t)(n); i += get_global_size(0))
 #endif
 
-// The part of [0, n) that GN_FOR_EACH gives a work-item, and the loop over that part.
+// The part of [0, n) that a work-item takes, and the loop over that part: GN_FOR_EACH_OF(i, item_range(n)) is
+// GN_FOR_EACH(i, n). In a kernel with GN_SHARES as its last parameter, launched with Session::shares(), the items of a
+// CPU, one for each core, take GN_SHARED_RANGE(n) from a counter instead, a run of neighbours at a time: no core waits
+// for another one's heavy part, and an item's own costs (counters, unused slots) arise once for each core. Such a
+// kernel ends with GN_END_SHARES, which is true on a CPU for the last item to end.
+#ifdef GN_CPU
+#define GN_SHARES , volatile __global uint* shares
+#define GN_SHARED_RANGE(n) shared_range(n, shares)
+#define GN_END_SHARES end_shares(shares)
+
+// The words of the launch's shares, 0 between launches, each in a cache line of its own.
+#define SHARES_TAKEN 0
+#define SHARES_ENDED 32
+
+typedef struct ItemRange {
+    size_t first, end;  // the run
+    size_t left_first, count, length;
+    volatile __global uint* taken;  // null: one run, which is not taken yet
+    uint items, runs_before;
+} ItemRange;
+static ItemRange item_range(size_t n) {
+    size_t first = get_global_id(0) * GN_CHUNK(n), end = min((get_global_id(0) + 1) * GN_CHUNK(n), n);
+    return (ItemRange){first, end, 0, 0, 0, 0, 0, 0};
+}
+// A round has a run for each item. Each run is a quarter of the item's part of what the rounds before left: long runs
+// first, for the caches' sake, and short ones at the end, when items wait for the last one.
+static size_t length_of_runs(size_t left, uint items) { return left / (4 * (size_t)items) + 1; }
+static ItemRange shared_range(size_t n, volatile __global uint* shares) {
+    uint items = (uint)get_global_size(0);
+    return (ItemRange){0, 0, 0, n, length_of_runs(n, items), &shares[SHARES_TAKEN], items, 0};
+}
+static bool take_run(ItemRange* of) {
+    if (of->taken == 0) return of->items++ == 0u && of->first < of->end;
+    uint run = atomic_inc(of->taken);
+    while (run - of->runs_before >= of->items) {
+        of->runs_before += of->items;
+        of->left_first = min(of->left_first + of->items * of->length, of->count);
+        of->length = length_of_runs(of->count - of->left_first, of->items);
+    }
+    of->first = of->left_first + (run - of->runs_before) * of->length;
+    of->end = min(of->first + of->length, of->count);
+    return of->first < of->count;
+}
+// True for the last item to end. It leaves the shares as the next launch needs them, and sees what all items wrote.
+static bool end_shares(volatile __global uint* shares) {
+    mem_fence(CLK_GLOBAL_MEM_FENCE);
+    if (atomic_inc(&shares[SHARES_ENDED]) != (uint)get_global_size(0) - 1u) return false;
+    atomic_xchg(&shares[SHARES_TAKEN], 0u);
+    atomic_xchg(&shares[SHARES_ENDED], 0u);
+    mem_fence(CLK_GLOBAL_MEM_FENCE);
+    return true;
+}
+#define GN_FOR_EACH_OF(i, items)                             \
+    for (ItemRange i##_runs = (items); take_run(&i##_runs);) \
+        for (size_t i = i##_runs.first; i < i##_runs.end; ++i)
+#else
+#define GN_SHARES
+#define GN_SHARED_RANGE(n) item_range(n)
+#define GN_END_SHARES
+
 typedef struct ItemRange {
     size_t first, end, step;
 } ItemRange;
-static ItemRange item_range(size_t n) {
-#ifdef GN_CPU
-    return (ItemRange){get_global_id(0) * GN_CHUNK(n), min((size_t)(get_global_id(0) + 1) * GN_CHUNK(n), n), 1};
-#else
-    return (ItemRange){get_global_id(0), n, get_global_size(0)};
-#endif
-}
-#ifdef GN_CPU
-#define GN_FOR_EACH_OF(i, items) for (size_t i = (items).first; i < (items).end; ++i)
-#else
+static ItemRange item_range(size_t n) { return (ItemRange){get_global_id(0), n, get_global_size(0)}; }
 #define GN_FOR_EACH_OF(i, items) for (size_t i = (items).first; i < (items).end; i += (items).step)
 #endif
 

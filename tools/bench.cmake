@@ -31,6 +31,7 @@ add_library(gnomon_bench_parts STATIC
   bench/row.cpp
   bench/runner.cpp
   bench/sweep.cpp
+  bench/thread_table.cpp
   $<IF:$<BOOL:${embree_FOUND}>,bench/embree_lights.cpp;bench/embree_peer.cpp;bench/embree_rays.cpp;bench/embree_scene.cpp,bench/no_peers.cpp>
 )
 gnomon_embed_files(gnomon_bench_parts embedded_tables tools/bench/suns_of_latitude_52.csv)

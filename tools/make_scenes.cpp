@@ -27,7 +27,7 @@ void print_list() {
         std::string size = "fixed size";
         if (recipe.default_triangles > 0) {
             size = fmt::format("{} triangles, --triangles {} to {}", recipe.default_triangles, recipe.fewest_triangles,
-                               recipe.most_triangles);
+                               recipe.max_triangles);
         }
         std::printf("%-26s %.*s (%s)\n", std::string(recipe.name).c_str(), static_cast<int>(recipe.idea.size()),
                     recipe.idea.data(), size.c_str());
@@ -51,9 +51,9 @@ Request request_for(const Recipe& recipe, const Arguments& arguments) {
         throw MakeError("the scene '" + name + "' has a fixed size; leave out --triangles");
     }
     const std::int64_t wanted = *arguments.triangles;
-    if (wanted < recipe.fewest_triangles || wanted > recipe.most_triangles) {
+    if (wanted < recipe.fewest_triangles || wanted > recipe.max_triangles) {
         throw MakeError(fmt::format("--triangles {} is out of range; the scene '{}' takes {} to {}", wanted, name,
-                                    recipe.fewest_triangles, recipe.most_triangles));
+                                    recipe.fewest_triangles, recipe.max_triangles));
     }
     request.triangles = static_cast<std::uint64_t>(wanted);
     return request;

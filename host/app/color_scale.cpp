@@ -18,7 +18,7 @@ namespace {
 
 using Rgb = std::array<std::uint8_t, 3>;
 
-constexpr std::uint32_t bar_width = 240, bar_height = 10, margin = 12, line_height = 12, most_ticks = 6;
+constexpr std::uint32_t bar_width = 240, bar_height = 10, margin = 12, line_height = 12, max_ticks = 6;
 constexpr Rgb no_value = {48, 48, 48}, plate = {24, 24, 24}, ink = {240, 240, 240};
 
 /// Draws in units of `scale` pixels.
@@ -55,12 +55,12 @@ private:
     std::vector<std::uint8_t>& rgba_;
 };
 
-/// 1, 2 or 5 times a power of ten: the least that needs no more than most_ticks steps.
+/// 1, 2 or 5 times a power of ten: the least that needs no more than max_ticks steps.
 double tick_step(double range) {
     if (!(range > 0)) return 0;
-    const double power = std::pow(10, std::floor(std::log10(range / most_ticks)));
+    const double power = std::pow(10, std::floor(std::log10(range / max_ticks)));
     for (const double digit : {1.0, 2.0, 5.0})
-        if (digit * power * most_ticks >= range) return digit * power;
+        if (digit * power * max_ticks >= range) return digit * power;
     return 10 * power;
 }
 

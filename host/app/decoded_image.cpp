@@ -15,7 +15,7 @@ namespace gnomon::app {
 namespace {
 
 constexpr int largest_side = 32768;
-constexpr std::uint64_t most_texels = std::uint64_t(1) << 28;  ///< a row of bytes each: what a crafted header may take
+constexpr std::uint64_t max_texels = std::uint64_t(1) << 28;  ///< a row of bytes each: what a crafted header may take
 
 /// The format that the first bytes tell: what a file says of itself may be wrong.
 const char* format_of(std::span<const unsigned char> bytes) {
@@ -44,7 +44,7 @@ public:
         if (!input_->set_ioproxy(&memory_) || !input_->open(std::string("image.") + name, spec, config))
             throw Error(input_->geterror());
         if (spec.width < 1 || spec.height < 1 || spec.width > largest_side || spec.height > largest_side ||
-            std::uint64_t(spec.width) * std::uint64_t(spec.height) > most_texels)
+            std::uint64_t(spec.width) * std::uint64_t(spec.height) > max_texels)
             throw Error("its " + std::to_string(spec.width) + "x" + std::to_string(spec.height) +
                         " texels are more than 2^28, or than 32768 on a side");
     }
@@ -83,9 +83,9 @@ AlphaImage read_alpha(std::span<const unsigned char> bytes) {
     return out;
 }
 
-RgbaImage read_colors(std::span<const unsigned char> bytes, std::uint64_t most_bytes) {
+RgbaImage read_colors(std::span<const unsigned char> bytes, std::uint64_t max_bytes) {
     OpenImage image(bytes);
-    if (std::uint64_t(4) * image.texels() > most_bytes)
+    if (std::uint64_t(4) * image.texels() > max_bytes)
         throw Error("its " + std::to_string(image.spec.width) + "x" + std::to_string(image.spec.height) +
                     " texels do not fit into the memory that the scene may take");
     const int count = image.spec.nchannels, alpha = image.spec.alpha_channel;

@@ -23,7 +23,7 @@ struct RgbaImage {
 };
 
 /// The same for colours and alpha; grey images have equal channels. Throws Error, too, if it would take more than
-/// `most_bytes`.
-RgbaImage read_colors(std::span<const unsigned char> bytes, std::uint64_t most_bytes);
+/// `max_bytes`.
+RgbaImage read_colors(std::span<const unsigned char> bytes, std::uint64_t max_bytes);
 
 }  // namespace gnomon::app

@@ -14,7 +14,7 @@
 namespace gnomon::app {
 namespace {
 
-constexpr std::size_t most_printed = 8;  // triangles of a list; gnomon::explain() has all
+constexpr std::size_t max_printed = 8;  // triangles of a list; gnomon::explain() has all
 
 struct Explained {
     Explanation explanation;
@@ -96,7 +96,7 @@ std::string reason(const Explanation& e) {
 void add_triangles(std::ostream& out, const std::string& heading, const std::vector<TriangleSigns>& list) {
     if (list.empty()) return;
     out << '\n' << heading << ": " << grouped(list.size()) << '\n';
-    for (std::size_t i = 0; i < std::min(list.size(), most_printed); ++i) {
+    for (std::size_t i = 0; i < std::min(list.size(), max_printed); ++i) {
         const TriangleSigns& t = list[i];
         out << "  triangle " << t.triangle << "  " << vertices_text(t)
             << fmt::format("\n    signs: point's side {}, light's side {}, edges ab {} bc {} ca {}; certain in ",
@@ -105,7 +105,7 @@ void add_triangles(std::ostream& out, const std::string& heading, const std::vec
         if (t.blocks || t.is_clear) out << "; " << float_text(float(t.distance)) << " from the point";
         out << '\n';
     }
-    if (list.size() > most_printed) out << "  and " << grouped(list.size() - most_printed) << " more\n";
+    if (list.size() > max_printed) out << "  and " << grouped(list.size() - max_printed) << " more\n";
 }
 
 std::string text_of(const Explained& explained) {

@@ -30,7 +30,7 @@ struct OpenImageIo {
                       const AovSurfaces& surfaces);
     /// decoded_image.hpp
     AlphaImage (*read_alpha)(std::span<const unsigned char> bytes);
-    RgbaImage (*read_colors)(std::span<const unsigned char> bytes, std::uint64_t most_bytes);
+    RgbaImage (*read_colors)(std::span<const unsigned char> bytes, std::uint64_t max_bytes);
 };
 
 }  // namespace gnomon::app

@@ -258,7 +258,7 @@ void add_technique_options(CLI::App& app, RenderOptions& options) {
     const Group add{app, "Technique (see: gnomon techniques --verbose)"};
     add("--technique", "NAME", "How visibility is computed (default frustum-traced)", name(), into(options.technique));
     add_samples(add,
-                "Points per pixel, each with its own exact answer; a pixel gets their mean (default 1, its centre)",
+                "Points per pixel, each with its own exact answer; mask and picture get their mean (default 1, its centre)",
                 options.samples);
     add_sun(add, "Soft shadows: directional lights are disks of this angle in the sky (the sun's: 0.533)",
             default_sun_samples, options);
@@ -293,8 +293,8 @@ void add_device_options(CLI::App& app, ViewOptions& options, bool prints_more = 
 }
 
 void check_samples(const RenderOptions& options) {
-    if (options.samples != 1 && (options.sun_angle_degrees || options.area_light))
-        throw UsageError("--sun-angle and --area-light take one point per pixel: leave out --samples");
+    if (options.samples != 1 && options.area_light)
+        throw UsageError("--area-light takes one point per pixel: leave out --samples");
 }
 
 void check_explained(const ExplainOptions& options) {

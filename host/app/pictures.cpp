@@ -142,8 +142,8 @@ std::string short_data_uri(std::uint32_t width, std::uint32_t height, std::span<
 
 AlphaImage decode_alpha(std::span<const unsigned char> bytes) { return open_image_io().read_alpha(bytes); }
 
-RgbaImage decode_colors(std::span<const unsigned char> bytes, std::uint64_t most_bytes) {
-    return open_image_io().read_colors(bytes, most_bytes);
+RgbaImage decode_colors(std::span<const unsigned char> bytes, std::uint64_t max_bytes) {
+    return open_image_io().read_colors(bytes, max_bytes);
 }
 
 void require_openimageio() { open_image_io(); }

@@ -34,7 +34,7 @@ std::string short_data_uri(std::uint32_t width, std::uint32_t height, std::span<
 
 /// The alpha of an image file in memory (decoded_image.hpp).
 AlphaImage decode_alpha(std::span<const unsigned char> bytes);
-RgbaImage decode_colors(std::span<const unsigned char> bytes, std::uint64_t most_bytes);
+RgbaImage decode_colors(std::span<const unsigned char> bytes, std::uint64_t max_bytes);
 
 /// Throws Error if write_aov(), decode_alpha() or decode_colors() would: to be called before long work.
 void require_openimageio();

@@ -194,11 +194,13 @@ Seen see(Steps& steps, Report& report, const Device& device, Technique& techniqu
             if (point_dump && !is_dumped) write_points(*point_dump, points.read(device));
         };
         if (report.options.sun_angle_degrees) {
-            dump(view.points);
-            for (std::size_t i = 0; i < visibilities.size(); ++i)
-                report.lights[i].statistics =
-                    run_mean(technique, triangles, view.points,
-                             sun_of(report.options, report.lights[i].chosen, default_sun_samples), visibilities[i]);
+            for (std::size_t i = 0; i < visibilities.size(); ++i) {
+                LightReport& light = report.lights[i];
+                light.statistics = run_samples_mean(technique, triangles, view,
+                                                    sun_of(report.options, light.chosen, default_sun_samples),
+                                                    report.options.samples, visibilities[i], dump);
+                is_dumped = true;
+            }
         } else if (report.options.samples == 1) {
             dump(view.points);
             const auto statistics = technique.run_each_light(triangles, view.points, lights_of(report), visibilities);
@@ -257,6 +259,11 @@ void require_exact_for_cut_outs(const RenderOptions& options, const scene::Scene
 /// True if a file shows what light falls on.
 bool shows_surfaces(const RenderOptions& options) { return (options.picture && !options.diagnostic) || options.aov; }
 
+/// True if a file shows it at the pixels' centres.
+bool shows_centres(const RenderOptions& options) {
+    return shows_surfaces(options) && (options.samples == 1 || options.aov);
+}
+
 /// The entries of these triangles, `each` numbers per triangle. Nothing of nothing.
 template <typename Value>
 std::vector<Value> gathered(const std::vector<Value>& from, const std::vector<std::uint32_t>& ids, std::size_t each) {
@@ -286,33 +293,43 @@ struct SeenSurfaces {
     cl_mem sky() const { return sky_sums.get(); }
 };
 
+/// What the whole scene looks like; none where it does not fit.
+std::optional<Appearance> appearance_of(const Device& device, const scene::Scene& scene, SurfaceTextures* textures) {
+    try {
+        return Appearance::upload(device, scene.materials, scene::SurfaceDetailView(scene).get(), textures);
+    } catch (const OutOfDeviceMemory&) {
+        return std::nullopt;
+    }
+}
+
 /// By an appearance of the whole scene where it fits, else by what the view shows.
 Surfaces surfaces_of(const Device& device, const scene::Scene& scene, const Seen& seen, SurfaceTextures* textures) {
     if (seen.ids.empty()) {
-        const scene::SurfaceDetailView detail(scene);
-        try {
-            return Appearance::upload(device, scene.materials, detail.get(), textures)
-                .surfaces(seen.triangles, seen.view);
-        } catch (const OutOfDeviceMemory&) {
-            return Surfaces(device, seen.triangles, seen.view, scene.materials, detail.get(), textures);
-        }
+        if (const auto appearance = appearance_of(device, scene, textures))
+            return appearance->surfaces(seen.triangles, seen.view);
+        return Surfaces(device, seen.triangles, seen.view, scene.materials, scene::SurfaceDetailView(scene).get(),
+                        textures);
     }
     const scene::Scene part = part_of(scene, seen.ids);
     return Surfaces(device, seen.triangles, seen.view, part.materials, scene::SurfaceDetailView(part).get(), textures);
+}
+
+void report_textures(Report& report, const Surfaces& surfaces) {
+    report.texture_bytes = surfaces.texture_bytes();
+    const std::uint32_t levels = surfaces.left_out_levels();
+    if (levels == 0) return;
+    const std::string what =
+        fmt::format("the textures do not fit into the device's memory: their {} finest level{} left out", levels,
+                    levels == 1 ? " is" : "s are");
+    if (report.options.strict) throw Error(what + " (an error because of --strict)");
+    print_warning(what);
 }
 
 std::unique_ptr<SeenSurfaces> surfaces_of(Report& report, const Device& device, const scene::Scene& scene,
                                           const Seen& seen, SurfaceTextures* textures) {
     auto made = std::make_unique<SeenSurfaces>(SeenSurfaces{surfaces_of(device, scene, seen, textures)});
     device.finish();
-    report.texture_bytes = made->surfaces.texture_bytes();
-    if (const std::uint32_t levels = made->surfaces.left_out_levels(); levels != 0) {
-        const std::string what =
-            fmt::format("the textures do not fit into the device's memory: their {} finest level{} left out", levels,
-                        levels == 1 ? " is" : "s are");
-        if (report.options.strict) throw Error(what + " (an error because of --strict)");
-        print_warning(what);
-    }
+    report_textures(report, made->surfaces);
     return made;
 }
 
@@ -326,13 +343,12 @@ Lights sky_of(std::uint32_t division) {
 }
 
 /// For each pixel the part of the sky's light that reaches it, by the cosines to its shading normal.
-cl::Buffer sky_sums_of(const Device& device, Technique& technique, const Seen& seen, const Surfaces& surfaces,
-                       std::uint32_t division) {
-    const Points& of = seen.view.points;
+cl::Buffer sky_sums_of(const Device& device, Technique& technique, const Triangles& triangles, const Points& of,
+                       const Surfaces& surfaces, std::uint32_t division) {
     // The shading normals decide the side.
     const Points points = Points::wrap(device, of.positions(), of.layout(), of.count(), of.receivers());
     cl::Buffer sums(session_of(device), of.count() * sizeof(double));
-    technique.run_light_table(seen.triangles, points, sky_of(division), {.sums = sums.get(), .cosines = true},
+    technique.run_light_table(triangles, points, sky_of(division), {.sums = sums.get(), .cosines = true},
                               {.facing = Facing::normals(surfaces.normals())});
     return sums;
 }
@@ -359,34 +375,88 @@ ViewOnHost view_of(const Device& device, const Seen& seen) {
     return view;
 }
 
-/// Fills every file but the statistics.
-void write_files(Steps& steps, const Outputs& outputs, const Device& device, const scene::Scene& scene, Report& report,
-                 const Seen& seen, const std::unique_ptr<SeenSurfaces>& surfaces) {
-    const std::uint32_t width = seen.view.width, height = seen.view.height;
+/// Decides the points of one sample of every pixel, by each light.
+void decide_sample(Technique& technique, const Report& report, const Triangles& triangles, const View& view,
+                   const std::vector<Visibility>& visibilities) {
+    if (!report.options.sun_angle_degrees) {
+        technique.run_each_light(triangles, view.points, lights_of(report), visibilities);
+        return;
+    }
+    for (std::size_t i = 0; i < visibilities.size(); ++i)
+        run_mean(technique, triangles, view.points,
+                 sun_of(report.options, report.lights[i].chosen, default_sun_samples), visibilities[i]);
+}
+
+/// The mean of the pictures of all samples: silhouettes and textures are as smooth as shadows.
+std::vector<std::uint8_t> smooth_picture(const Device& device, Technique& technique, const scene::Scene& scene,
+                                         Report& report, const Seen& seen, SurfaceTextures& textures) {
+    const RenderOptions& options = report.options;
+    SampleViews views(device, seen.triangles, seen.view, options.samples);
+    PictureMean mean(device, seen.view.points.count(), options.samples);
     const std::vector<Light> lights = lights_of(report);
+    const std::vector<Visibility> visibilities = visibilities_for(device, seen.view, report);
+    const std::optional<Appearance> appearance = appearance_of(device, scene, &textures);
+    for (std::size_t i = 0; i < views.count(); ++i) {
+        const View view = views.at(i);
+        decide_sample(technique, report, seen.triangles, view, visibilities);
+        const Surfaces surfaces = appearance ? appearance->surfaces(seen.triangles, view)
+                                             : Surfaces(device, seen.triangles, view, scene.materials,
+                                                        scene::SurfaceDetailView(scene).get(), &textures);
+        if (i == 0) report_textures(report, surfaces);
+        cl::Buffer sky;
+        if (options.sky_division != 0)
+            sky = sky_sums_of(device, technique, seen.triangles, view.points, surfaces, options.sky_division);
+        report.exposure_ev =
+            mean.add(surfaces, visibilities, lights, {.exposure_ev = report.exposure_ev, .sky_sums = sky.get()});
+    }
+    return mean.read();
+}
+
+/// What the frames of a sequence share: programs are compiled once, buffers keep their memory, the file is read once.
+struct Shared {
+    Device device;
+    std::unique_ptr<Technique> technique;
+    SceneSource source;
+    std::optional<ChosenCamera> framing;  ///< the first frame's, for a scene without cameras
+    std::optional<double> exposure_ev;    ///< the first frame's
+    SurfaceTextures textures{};           ///< the last frame's
+};
+
+std::vector<std::uint8_t> picture_of(Shared& shared, const scene::Scene& scene, Report& report, const Seen& seen,
+                                     const SeenSurfaces* surfaces) {
+    const RenderOptions& options = report.options;
+    const std::vector<Light> lights = lights_of(report);
+    if (options.diagnostic) {
+        const auto technique = make_technique(shared.device, options.technique, options.settings);
+        return technique->diagnose(*options.diagnostic, seen.triangles, seen.view.points, lights.front());
+    }
+    if (options.samples > 1)
+        return smooth_picture(shared.device, *shared.technique, scene, report, seen, shared.textures);
+    Picture made = shade(surfaces->surfaces, seen.visibilities, lights,
+                         {.exposure_ev = report.exposure_ev, .sky_sums = surfaces->sky()});
+    report.exposure_ev = made.exposure_ev;
+    return std::move(made.rgba);
+}
+
+/// Fills every file but the statistics.
+void write_files(Steps& steps, const Outputs& outputs, Shared& shared, const scene::Scene& scene, Report& report,
+                 const Seen& seen, const SeenSurfaces* surfaces) {
+    const std::uint32_t width = seen.view.width, height = seen.view.height;
     if (OutputFile* const picture = outputs["output"]) {
-        const auto rgba = steps.run("shade", "shading the picture", [&] {
-            if (!report.options.diagnostic) {
-                Picture made = shade(surfaces->surfaces, seen.visibilities, lights,
-                                     {.exposure_ev = report.exposure_ev, .sky_sums = surfaces->sky()});
-                report.exposure_ev = made.exposure_ev;
-                return std::move(made.rgba);
-            }
-            const auto technique = make_technique(device, report.options.technique, report.options.settings);
-            return technique->diagnose(*report.options.diagnostic, seen.triangles, seen.view.points, lights.front());
-        });
+        const auto rgba = steps.run("shade", "shading the picture",
+                                    [&] { return picture_of(shared, scene, report, seen, surfaces); });
         steps.run("write_picture", "writing the picture", [&] { write_picture(*picture, width, height, rgba); });
     }
     if (report.options.mask)
         steps.run("write_mask", "writing the mask", [&] {
-            for (std::size_t i = 0; i < lights.size(); ++i)
-                write_mask(*outputs[mask_name(i, lights.size())], width, height, seen.visible[i]);
+            for (std::size_t i = 0; i < seen.visible.size(); ++i)
+                write_mask(*outputs[mask_name(i, seen.visible.size())], width, height, seen.visible[i]);
         });
     if (OutputFile* const aov = outputs["aov"])
         steps.run("write_aov", "writing the EXR", [&] {
-            const ViewOnHost view = view_of(device, seen);
+            const ViewOnHost view = view_of(shared.device, seen);
             const SurfacesOnHost shown = surfaces->surfaces.read();
-            const std::vector<float> sky_shares = sky_shares_of(device, *surfaces);
+            const std::vector<float> sky_shares = sky_shares_of(shared.device, *surfaces);
             write_aov(*aov, width, height, view, seen.visible.front(), "visibility",
                       {&shown, sky_shares, seen.irradiance});
         });
@@ -406,16 +476,6 @@ void complete(Report& report, const Device& device, const scene::Scene& scene, c
     report.device_memory_bytes = device.memory_bytes();
     report.device_memory_peak_bytes = device.peak_memory_bytes();
 }
-
-/// What the frames of a sequence share: programs are compiled once, buffers keep their memory, the file is read once.
-struct Shared {
-    Device device;
-    std::unique_ptr<Technique> technique;
-    SceneSource source;
-    std::optional<ChosenCamera> framing;  ///< the first frame's, for a scene without cameras
-    std::optional<double> exposure_ev;    ///< the first frame's
-    SurfaceTextures textures{};           ///< the last frame's
-};
 
 /// All checks that can refuse the request at once: the device, the technique, the scene's file.
 Shared prepare(Steps& steps, const RenderOptions& options) {
@@ -460,19 +520,20 @@ void render_picture(Steps& steps, Report& report, Shared& shared, Outputs& outpu
         return see_in_parts(steps, report, device, scene);
     }();
     std::unique_ptr<SeenSurfaces> surfaces;
-    if (shows_surfaces(options))
+    if (shows_centres(options))
         surfaces = steps.run("surfaces", "the surfaces' colours", [&] {
             return surfaces_of(report, device, scene, seen, options.frames > 0 ? &shared.textures : nullptr);
         });
     if (surfaces && options.sky_division != 0)
         surfaces->sky_sums = steps.run("sky", "the sky's light", [&] {
-            return sky_sums_of(device, *shared.technique, seen, surfaces->surfaces, options.sky_division);
+            return sky_sums_of(device, *shared.technique, seen.triangles, seen.view.points, surfaces->surfaces,
+                               options.sky_division);
         });
-    if (options.frames == 0) shared.technique.reset();  // frees its memory for the pictures
+    if (options.frames == 0 && options.samples == 1) shared.technique.reset();  // frees its memory for the pictures
     report.exposure_ev = shared.exposure_ev ? shared.exposure_ev : exposure_of(options, report.lights.size());
 
     // The files, each complete before the first appears.
-    write_files(steps, outputs, device, scene, report, seen, surfaces);
+    write_files(steps, outputs, shared, scene, report, seen, surfaces.get());
     if (options.frames > 0) shared.exposure_ev = report.exposure_ev;
     complete(report, device, scene, seen);
     steps.finish();

@@ -79,8 +79,8 @@ SceneSource::SceneSource(const ViewOptions& options, bool has_colors) : strict_(
         return scene::SceneCutOuts::Texture{image.width, image.height, std::move(image.alpha)};
     };
     if (has_colors)
-        choices.decode_colors = [](std::span<const unsigned char> bytes, std::uint64_t most_bytes) {
-            RgbaImage image = decode_colors(bytes, most_bytes);
+        choices.decode_colors = [](std::span<const unsigned char> bytes, std::uint64_t max_bytes) {
+            RgbaImage image = decode_colors(bytes, max_bytes);
             return scene::ColorImage{image.width, image.height, std::move(image.rgba)};
         };
     file_ = std::make_unique<scene::SceneFile>(*options.scene, choices);

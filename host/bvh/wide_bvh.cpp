@@ -43,11 +43,11 @@ bool WideBvh::build(const TriangleInputs& triangles, const TriangleCurve& curve,
     params.triangles = triangles;
     params.node_capacity = curve.count() / 64 + 64;
     params.leaf_capacity = curve.count() / fewest_triangles_of_leaf + 64;
-    const std::uint32_t most_levels = (MAX_STACK_ENTRIES - 2) / (width - 1);
+    const std::uint32_t max_levels = (MAX_STACK_ENTRIES - 2) / (width - 1);
     cl::Buffer leaf_roots(session, params.leaf_capacity * sizeof(cl_uint));
     for (;;) {
         const Made made = make_nodes(params, curve, binary, leaf_roots);
-        if (!is_balanced && (made.leaves > params.leaf_capacity || made.levels > most_levels)) return false;
+        if (!is_balanced && (made.leaves > params.leaf_capacity || made.levels > max_levels)) return false;
         if (made.nodes <= params.node_capacity && made.leaves <= params.leaf_capacity) {
             leaf_count_ = made.leaves;
             make_leaves(params, made.leaves, curve, binary, leaf_roots);

@@ -51,9 +51,9 @@ inline std::uint32_t bvh_width(const cl::Session& session) {
 /// The range of a kernel that runs BEAM_FOR_EACH over `tasks`, whose lengths differ: work-items on a CPU, groups on a
 /// GPU.
 inline cl::Range bvh_range(const cl::Session& session, std::size_t tasks) {
-    constexpr std::size_t most_groups = 65536;
+    constexpr std::size_t max_groups = 65536;
     return session.is_cpu() ? session.uneven_items(tasks, 1)
-                            : cl::Range::groups_of(bvh_width(session), std::min(tasks, most_groups));
+                            : cl::Range::groups_of(bvh_width(session), std::min(tasks, max_groups));
 }
 
 }  // namespace gnomon

@@ -159,7 +159,7 @@ void CameraStage::make_lists(Statistics& statistics, bool orders_runs) {
     if (session_.lanes() != 1) return;
     // A long list of n entries has fewer than 2 n / long_list_ chunks. There is room for the least limit from the
     // start, so that a look like the one before takes no more memory.
-    chunks_.reserve(session_, (2 * std::size_t(bins().entry_capacity()) / LEAST_LONG_LIST + 1) * sizeof(ListChunk));
+    chunks_.reserve(session_, (2 * std::size_t(bins().entry_capacity()) / MIN_LONG_LIST + 1) * sizeof(ListChunk));
     cl::StageTimer timer(session_, statistics, "camera_bins");
     session_.launch("camera/camera.cl", "camera_chunks", cl::Range::items(in.bin_count), in.bin_count, long_list_,
                     bins().ranges(), chunks_, counters_);
@@ -178,7 +178,7 @@ bool CameraStage::check_lists(Statistics& statistics) {
                          {"references", counted.references}};
     chunk_count_ = counted.chunks;
     open_count_ = counted.open_pairs;
-    next_long_list_ = std::max(LEAST_LONG_LIST, counted.entries / LONG_LISTS);
+    next_long_list_ = std::max(MIN_LONG_LIST, counted.entries / LONG_LISTS);
     return lists_.fitted(session_, counted);
 }
 
@@ -213,8 +213,8 @@ void CameraStage::find_receivers(const CameraParams& params, cl_mem pixel_receiv
     }
     cl::StageTimer timer(session_, statistics, "camera_visibility");
     session_.launch(triangles_.kernel("camera/camera.cl", "camera_visibility"),
-                    session_.blocks(std::size_t(width_) * height_), params, projection_, triangles_.vertices, rays_,
-                    setup().records(), setup().bounds(), bins().ranges(), bins().entries(),
+                    session_.block_shares(std::size_t(width_) * height_), params, projection_, triangles_.vertices,
+                    rays_, setup().records(), setup().bounds(), bins().ranges(), bins().entries(),
                     pixel_receivers != nullptr ? pixel_receivers : out.receivers, out.receivers, counters_);
 }
 
@@ -227,7 +227,7 @@ void CameraStage::filter_receivers(const CameraParams& params, const PointSlice&
     const auto of_file = [&](const char* kernel) { return triangles_.kernel("camera/camera_filter.cl", kernel); };
     const std::size_t pixels = std::size_t(width_) * height_;
     const std::size_t every = triangles_.has_cut_outs ? OPEN_PAIRS_EVERY_WITH_CUT_OUTS : OPEN_PAIRS_EVERY;
-    open_capacity_ = cl_uint(pixels / every + LEAST_OPEN_PAIRS);
+    open_capacity_ = cl_uint(pixels / every + MIN_OPEN_PAIRS);
     open_pairs_.reserve(session_, open_capacity_ * sizeof(cl_uint2));
     cl::StageTimer timer(session_, statistics, "camera_visibility");
     // Tiles differ in work: a multiprocessor that is done takes another one.
@@ -257,7 +257,7 @@ void CameraStage::find_in_long_lists(const CameraParams& params, cl_mem pixel_re
 
 void CameraStage::make_points(const CameraParams& params, const PointSlice& out, Statistics& statistics) {
     cl::StageTimer timer(session_, statistics, "camera_points");
-    session_.launch("camera/camera.cl", "camera_points", cl::Range::items(std::size_t(width_) * height_), params,
+    session_.launch("camera/camera.cl", "camera_points", cl::Range::shares(std::size_t(width_) * height_), params,
                     triangles_.vertices, rays_, out.receivers, out.positions, counters_);
 }
 
@@ -382,8 +382,8 @@ void camera_normals(const Device& device, const Triangles& triangles, const View
     std::copy_n(view.points.camera()->camera.eye.begin(), 3, params.eye);
     params.width = view.width;
     params.height = view.height;
-    session.launch("camera/camera.cl", "camera_normals", cl::Range::items(view.points.count()), params, inputs.vertices,
-                   view.points.receivers(), normals);
+    session.launch("camera/camera.cl", "camera_normals", cl::Range::shares(view.points.count()), params,
+                   inputs.vertices, view.points.receivers(), normals);
 }
 
 ViewOnHost View::read(const Device& device, const Triangles& triangles) const {

@@ -45,7 +45,7 @@ std::string type_name(cl_device_type type) {
 }
 
 // The most that a kernel uses, in work-groups of 128 (tests/drivers).
-constexpr cl_ulong least_local_bytes = 16384;
+constexpr cl_ulong min_local_bytes = 16384;
 
 // The features that gnomon requires. Double precision is not required: kernels can compute it by integers.
 std::string missing(cl_device_id device, const DeviceDescription& description) {
@@ -59,7 +59,7 @@ std::string missing(cl_device_id device, const DeviceDescription& description) {
     std::sscanf(description.opencl_c_version.c_str(), "OpenCL C %d.%d", &major, &minor);
     need(major > 1 || (major == 1 && minor >= 2), "OpenCL C 1.2");
     need(value_of<cl_uint>(device, CL_DEVICE_ADDRESS_BITS) == 64, "64-bit addresses");
-    need(value_of<cl_ulong>(device, CL_DEVICE_LOCAL_MEM_SIZE) >= least_local_bytes, "16 KiB of local memory");
+    need(value_of<cl_ulong>(device, CL_DEVICE_LOCAL_MEM_SIZE) >= min_local_bytes, "16 KiB of local memory");
     need(text_of_device(device, CL_DEVICE_PROFILE) == "FULL_PROFILE", "the full profile (64-bit integers, exact fma)");
     need(value_of<cl_bool>(device, CL_DEVICE_ENDIAN_LITTLE), "little-endian memory");
     const auto float_config = value_of<cl_device_fp_config>(device, CL_DEVICE_SINGLE_FP_CONFIG);

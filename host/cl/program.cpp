@@ -24,7 +24,8 @@ namespace {
 // OpenCL's headers anew, and .05 s to find a compiled program in its cache; and it compiles only those kernels of a
 // program that are launched. A GPU's compiler compiles all kernels of a program at once.
 constexpr const char* picture_program = "*.cl";
-constexpr std::array picture_files = {"occluders/triangle_bounds.cl",
+constexpr std::array picture_files = {"lists/fill.cl",
+                                      "occluders/triangle_bounds.cl",
                                       "occluders/triangle_tiles.cl",
                                       "occluders/bins.cl",
                                       "camera/camera.cl",

@@ -101,13 +101,14 @@ struct Kernel {
 };
 
 /// The number of work-items: over `items` of GN_FOR_EACH, or exactly `groups` work-groups (of at most `local` items if
-/// not 0; exactly this size where `is_exact`).
+/// not 0; exactly this size where `is_exact`). Of a kernel with GN_SHARES: over `shares` (prelude.h).
 struct Range {
-    enum class Kind { items, groups } kind;
+    enum class Kind { items, groups, shares } kind;
     std::size_t count;
     std::size_t local = 0;
     bool is_exact = false;
     static Range items(std::size_t count) { return {Kind::items, count}; }
+    static Range shares(std::size_t count) { return {Kind::shares, count}; }
     static Range groups(std::size_t count, std::size_t local = 0) { return {Kind::groups, count, local}; }
     static Range groups_of(std::size_t local, std::size_t count) { return {Kind::groups, count, local, true}; }
 };
@@ -133,6 +134,8 @@ public:
     std::uint32_t lanes() const { return is_cpu_ ? 16 : 1; }
     /// Work-items for `count` points or pixels of a vector kernel.
     Range blocks(std::size_t count) const { return Range::items(count / lanes() + 1); }
+    /// The same for a kernel with GN_SHARES.
+    Range block_shares(std::size_t count) const { return Range::shares(count / lanes() + 1); }
     std::size_t compute_units() const { return description_.compute_units; }
     std::size_t work_group_size() const { return work_group_size_; }
     /// Work-groups that fill the device a few times over.
@@ -153,9 +156,11 @@ public:
     /// Enqueues a kernel. Arguments: Buffer, cl_mem, LocalBytes or plain values, all of them.
     template <typename... Arguments>
     void launch(const Kernel& which, Range range, const Arguments&... arguments) {
-        const BuiltKernel& kernel = kernel_of(which, sizeof...(Arguments));
+        const bool shares = is_cpu_ && range.kind == Range::Kind::shares;
+        const BuiltKernel& kernel = kernel_of(which, sizeof...(Arguments) + shares);
         cl_uint index = 0;
         (set_argument(kernel.kernel, which.name, index++, arguments), ...);
+        if (shares) set_argument(kernel.kernel, which.name, index, shares_buffer());
         enqueue(kernel, which.name, range);
     }
     /// The items that the device allows in a work-group of a kernel.
@@ -167,7 +172,7 @@ public:
 
     void fill(cl_mem buffer, std::uint32_t word, std::size_t bytes);
     void fill(const Buffer& buffer, std::uint32_t word, std::size_t bytes) { fill(buffer.get(), word, bytes); }
-    /// Several buffers, which a GPU fills by one launch.
+    /// Several buffers, or a large one, by one launch.
     template <std::size_t count>
     void fill(const Fill (&fills)[count]) {
         static_assert(count <= 4, "kernels/lists/fill.cl fills four buffers at most");
@@ -259,6 +264,7 @@ private:
     std::string build_options() const;
     std::string cache_key(const std::string& source) const;
     void enqueue(const BuiltKernel& kernel, const char* name, Range range);
+    const Buffer& shares_buffer();
     void fill_all(std::span<const Fill> fills);
     void configure(const DeviceOptions& options);
 
@@ -296,6 +302,7 @@ private:
         cl_event before, launch;
     };
     std::vector<FirstLaunch> first_launches_;  ///< launches with waits that are not yet in builds_
+    Buffer shares_;                            ///< of a CPU: the counter of the launch that runs (GN_SHARES)
 };
 
 /// Times one stage after the other into Statistics: wall time, and device time where the session profiles. Without a

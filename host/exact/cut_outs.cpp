@@ -13,7 +13,7 @@
 namespace gnomon {
 namespace {
 
-constexpr std::uint32_t most_threshold = 255u << 16;
+constexpr std::uint32_t max_threshold = 255u << 16;
 
 /// The class of a material's triangles if it does not depend on the texture, and the threshold.
 struct Threshold {
@@ -26,7 +26,7 @@ Threshold threshold_of(const CutOutMaterial& material) {
     if (material.cutoff > 1 || !(material.alpha_factor > 0)) return {CUT_OUT_CLEAR, 0};
     // One rounding that is seen: those in double are below 2^-40 of a unit of 1 / 255.
     const double units = std::nearbyint(255.0 * double(material.cutoff) / double(material.alpha_factor) * 65536.0);
-    if (units > most_threshold) return {CUT_OUT_CLEAR, 0};
+    if (units > max_threshold) return {CUT_OUT_CLEAR, 0};
     if (units == 0) return {CUT_OUT_OPAQUE, 0};
     return {CUT_OUT_MASKED, static_cast<std::uint32_t>(units)};
 }
@@ -63,9 +63,9 @@ public:
 
     /// The range of the texture's texels.
     AlphaRange range(const TexelInterval& x, const TexelInterval& y) const {
-        constexpr std::int64_t most_squares = 8;  // per side
+        constexpr std::int64_t max_squares = 8;  // per side
         std::size_t level = 0;
-        while (std::max(x.last - x.first, y.last - y.first) >> level >= most_squares) ++level;
+        while (std::max(x.last - x.first, y.last - y.first) >> level >= max_squares) ++level;
         AlphaRange range;
         for (std::int64_t j = y.first >> level; j <= y.last >> level; ++j)
             for (std::int64_t i = x.first >> level; i <= x.last >> level; ++i)
@@ -188,11 +188,11 @@ private:
         const std::uint32_t id = in_.material_of_triangle[i];
         const CutOutMaterial& material = in_.materials[id];
         if (thresholds_[id].of_all != CUT_OUT_MASKED) return thresholds_[id].of_all;
-        double least_alpha = 1, most_alpha = 1;
+        double min_alpha = 1, max_alpha = 1;
         if (!in_.corner_alphas.empty()) {
             const auto alphas = in_.corner_alphas.subspan(3 * i, 3);
-            least_alpha = *std::min_element(alphas.begin(), alphas.end());
-            most_alpha = *std::max_element(alphas.begin(), alphas.end());
+            min_alpha = *std::min_element(alphas.begin(), alphas.end());
+            max_alpha = *std::max_element(alphas.begin(), alphas.end());
             for (const float alpha : alphas)
                 if (!(alpha >= 0 && alpha <= 1)) return ++counts.unusable, CUT_OUT_OPAQUE;
         }
@@ -210,8 +210,8 @@ private:
                     range.add(pyramids_[material.texture].range(x, y));
         }
         // Exact: 24 bits times 24 bits.
-        if (range.least * 65536.0 * least_alpha >= thresholds_[id].value) return CUT_OUT_OPAQUE;
-        if (range.most * 65536.0 * most_alpha < thresholds_[id].value) return CUT_OUT_CLEAR;
+        if (range.least * 65536.0 * min_alpha >= thresholds_[id].value) return CUT_OUT_OPAQUE;
+        if (range.most * 65536.0 * max_alpha < thresholds_[id].value) return CUT_OUT_CLEAR;
         return CUT_OUT_MASKED;
     }
 

@@ -38,7 +38,7 @@ std::string joined(const std::vector<std::string>& clauses_found) {
 
 ArithmeticFaults check_arithmetic(cl::Session& session) {
     SelfCheckResult result{};
-    result.least_key = ~0u;
+    result.min_key = ~0u;
     const std::array<uint, 4> kept = {0x00000001u, 0x807FFFFFu, 0x7F7FFFFFu, 0};  // bits of floats
     cl::Buffer results(session, sizeof(result)), floats(session, sizeof(kept));
     session.write(results.get(), &result, sizeof(result));
@@ -47,7 +47,7 @@ ArithmeticFaults check_arithmetic(cl::Session& session) {
     session.read(results.get(), &result, sizeof(result));
     session.take_device_ms();  // no stage's time
     // Keys of minus and plus the largest float.
-    if (result.least_key != 0x00800000u || result.greatest_key != 0xFF7FFFFFu) result.faults |= 1u << FAULT_KEYS;
+    if (result.min_key != 0x00800000u || result.greatest_key != 0xFF7FFFFFu) result.faults |= 1u << FAULT_KEYS;
 
     // PoCL takes its functions of vectors from a library made for the stated registers, which a compiler without these
     // registers calls in another way. Where none are stated, both agree.

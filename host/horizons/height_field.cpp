@@ -11,7 +11,7 @@ namespace gnomon {
 namespace {
 
 constexpr const char* file = "horizons/height_field.cl";
-constexpr std::uint32_t most_borders = 1u << 18;
+constexpr std::uint32_t max_borders = 1u << 18;
 
 using Place = std::array<double, 2>;
 
@@ -27,15 +27,15 @@ int winding_of(const Place& a, const Place& b, const Place& c) {
 void cut_off(std::array<float, 4>& inside, const float4& edge) {
     const float low[2] = {std::min(edge.values[0], edge.values[2]), std::min(edge.values[1], edge.values[3])};
     const float high[2] = {std::max(edge.values[0], edge.values[2]), std::max(edge.values[1], edge.values[3])};
-    double least_lost = HUGE_VAL;
+    double min_lost = HUGE_VAL;
     std::array<float, 4> best = inside;
     for (int c = 0; c < 2; ++c) {
         if (high[c] <= inside[c] || low[c] >= inside[2 + c]) return;
         const double width = double(inside[3 - c]) - inside[1 - c];
         for (const bool from_low : {true, false}) {
             const double lost = width * (from_low ? double(high[c]) - inside[c] : double(inside[2 + c]) - low[c]);
-            if (lost >= least_lost) continue;
-            least_lost = lost;
+            if (lost >= min_lost) continue;
+            min_lost = lost;
             best = inside;
             best[from_low ? c : 2 + c] = from_low ? high[c] : low[c];
         }
@@ -83,7 +83,7 @@ bool BuiltHeightField::set_grid(const CoordinateBounds& box) {
     const double width = box.high[x] - box.low[x], depth = box.high[y] - box.low[y];
     const double cell = std::sqrt(width * depth / std::max(field_.triangles.count / 2, 1u));
     const double columns = std::ceil(width / cell - 1e-3), rows = std::ceil(depth / cell - 1e-3);
-    if (!(std::max(columns, rows) <= MOST_FIELD_HALVES / 2)) return false;
+    if (!(std::max(columns, rows) <= MAX_FIELD_HALVES / 2)) return false;
     const double height = std::max(box.high[z] - box.low[z], 1e-6 * std::max(width, depth));
     field_.corner[0] = float(box.low[x]);
     field_.corner[1] = float(box.low[y]);
@@ -111,7 +111,7 @@ bool BuiltHeightField::make_lists() {
     std::uint32_t entries = 0;
     session.read(starts_.get(), &entries, sizeof(entries), cells * sizeof(cl_uint));
     // A sum that does not fit is 2^32 - 1 (kernels/lists/scan.cl).
-    if (entries > std::min<std::uint64_t>(std::uint64_t(MOST_ENTRIES_OF_TRIANGLE) * field_.triangles.count, 0x7FFFFFFF))
+    if (entries > std::min<std::uint64_t>(std::uint64_t(MAX_ENTRIES_OF_TRIANGLE) * field_.triangles.count, 0x7FFFFFFF))
         return false;
     list_.reserve(session, entries * sizeof(cl_uint));
     session.copy(starts_, 0, counts, 0, cells * sizeof(cl_uint));
@@ -122,12 +122,12 @@ bool BuiltHeightField::make_lists() {
 // No edge without a neighbour reaches into the rectangle, which must be a large part of the grid.
 bool BuiltHeightField::find_inside() {
     cl::Session& session = session_of(device_);
-    const cl::Buffer counters(session, sizeof(FieldCounters)), borders(session, most_borders * sizeof(float4));
+    const cl::Buffer counters(session, sizeof(FieldCounters)), borders(session, max_borders * sizeof(float4));
     session.fill(counters, 0, sizeof(FieldCounters));
     session.launch(file, "field_borders", each_triangle(), field_, triangle_inputs(triangles_).vertices, starts_, list_,
-                   most_borders, borders, counters);
+                   max_borders, borders, counters);
     const std::uint32_t count = session.read_value<FieldCounters>(counters).borders;
-    if (count > most_borders) return false;
+    if (count > max_borders) return false;
     std::array<float, 4> inside;
     std::ranges::copy(field_.inside, inside.begin());
     const auto area_of = [](const auto& r) { return (double(r[2]) - r[0]) * (double(r[3]) - r[1]); };

@@ -92,10 +92,10 @@ void set_major(HorizonSector& sector, const Strip& strip) {
         const glm::dvec2 at = strip.at(1, side);
         reach.add({at[1 - major] / std::abs(at[major]), std::abs(at[major]) / 2});
     }
-    sector.least_minor = float(reach.low.x);
-    sector.most_minor = float(reach.high.x);
-    sector.least_major = float(reach.low.y);
-    sector.most_major = float(reach.high.y);
+    sector.min_minor = float(reach.low.x);
+    sector.max_minor = float(reach.high.x);
+    sector.min_major = float(reach.low.y);
+    sector.max_major = float(reach.high.y);
 }
 
 void add_sector(SectorTables& made, const LightBundle& bundle, const BuiltHeightField& built) {

@@ -26,7 +26,7 @@
 // that was enqueued before (tests/query/waits_test.cpp counts the blocking calls and compares them with this table):
 //   always   each call waits
 //   large    a call waits only where it makes a buffer of 4 MiB or more for a CPU, which is then mapped once
-//   never    no call waits (shade_into() waits where it meters, or copies shares of the sky from the host)
+//   never    no call waits (shade_into() and PictureMean::add() wait where they meter, or copy shares of the sky from the host)
 // What is not in the table never waits; share() does as wrap() where device and host share memory, else as upload(). A
 // kernel that is launched for the first time may wait for its build, and a queue that profiles for each stage.
 // Device::kernel_builds() waits after a first launch. `always` is measured with frustum-traced: another technique may
@@ -56,6 +56,9 @@
 //   Surfaces::read                   always
 //   shade                            always
 //   shade_into                       never
+//   PictureMean::PictureMean         large
+//   PictureMean::add                 never
+//   PictureMean::read                always
 //   VertexFans::find                 always
 //   VertexFans::extended             always
 //   make_technique                   never
@@ -69,6 +72,9 @@
 //   run_light_table_to_host          always
 //   run_mean                         always
 //   run_samples                      always
+//   run_samples_mean                 always
+//   SampleViews::SampleViews         always
+//   SampleViews::at                  always
 //   run_in_parts                     always
 //   look_in_parts                    always
 //   explain                          always

@@ -21,14 +21,14 @@ BeamPasses::BeamPasses(const BvhRun& run, const LightBundles& bundles, BeamShape
     // A part's pairs take some tenths of a second. At the end of each part a GPU waits for its slowest work-groups: in
     // Sponza, parts of 2^26 pairs made 1.7 G pairs/s in place of 4.2.
     const std::size_t pairs = session_.is_cpu() ? std::size_t(1) << 24 : std::size_t(1) << 30;
-    masks_.reserve(std::min(pairs / bundles.light_count(), most_mask_bytes(session_) / masks_.bytes_per_point()));
+    masks_.reserve(std::min(pairs / bundles.light_count(), max_mask_bytes(session_) / masks_.bytes_per_point()));
 }
 
 void BeamPasses::run() {
     const std::size_t count = run_.points.count();
     LightSums sums(run_, masks_.slots(), &run_.sorted);
     for (PointPart part{0, 0}; part.first < count; part.first += part.count) {
-        part.count = std::min(masks_.most_points(), count - part.first);
+        part.count = std::min(masks_.max_points(), count - part.first);
         decide(part);
         masks_.add_to(sums, part);
         report_progress(run_.options, double(part.first + part.count) / double(count));
@@ -43,7 +43,7 @@ double BeamPasses::timed_ms() {
     session_.finish();
     const auto start = cl::Clock::now();
     for (PointPart part{0, 0}; part.first < count; part.first += part.count) {
-        part.count = std::min(masks_.most_points(), count - part.first);
+        part.count = std::min(masks_.max_points(), count - part.first);
         decide(part);
     }
     session_.finish();

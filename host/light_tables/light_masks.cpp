@@ -10,7 +10,7 @@ constexpr std::size_t first_queue = std::size_t(1) << 16;
 
 }  // namespace
 
-std::size_t most_mask_bytes(const cl::Session& session) {
+std::size_t max_mask_bytes(const cl::Session& session) {
     return session.is_cpu() ? std::size_t(1) << 25 : std::size_t(1) << 28;
 }
 
@@ -40,7 +40,7 @@ void LightMasks::reserve(std::size_t points) {
                 begins_.reserve(session_, points * bytes_per_point());
             }
             masks_.reserve(session_, points * bytes_per_point());
-            most_points_ = points;
+            max_points_ = points;
             return;
         } catch (const OutOfDeviceMemory&) {
             lit_ = {}, begins_ = {};
@@ -62,7 +62,7 @@ void LightMasks::face(const PointPart& part) {
     const LightSidesParams params{.triangles = triangles,
                                   .points = run_.sorted.part(part.first, part.count),
                                   .bundle_count = bundle_count_,
-                                  .mask_stride = static_cast<cl_uint>(most_points_),
+                                  .mask_stride = static_cast<cl_uint>(max_points_),
                                   .side = side(),
                                   .padding = 0};
     session_.launch({"lights/light_sides.cl", "light_sides", {.point_lights = are_positions_}},
@@ -72,7 +72,7 @@ void LightMasks::face(const PointPart& part) {
 
 void LightMasks::add_to(LightSums& sums, const PointPart& part) {
     cl::StageTimer timer(session_, statistics_, "light_sums");
-    sums.add(masks_, most_points_, part.first, part.count, 0, bundle_count_);
+    sums.add(masks_, max_points_, part.first, part.count, 0, bundle_count_);
     session_.finish();
 }
 
@@ -80,7 +80,7 @@ BeamParams LightMasks::params_of(const PointPart& part) const {
     return {.triangles = triangle_inputs(run_.triangles),
             .points = run_.sorted.part(part.first, part.count),
             .bundle_count = bundle_count_,
-            .mask_stride = static_cast<cl_uint>(most_points_),
+            .mask_stride = static_cast<cl_uint>(max_points_),
             .queue_capacity = capacity(),
             .listed_tasks = 0,
             // n . X rounds five times, for a triangle and for a point; the sum of sizes is at most 3 times the largest.

@@ -30,7 +30,7 @@ struct PointPart {
 };
 
 /// The largest number of bytes that a part's masks may take.
-std::size_t most_mask_bytes(const cl::Session& session);
+std::size_t max_mask_bytes(const cl::Session& session);
 
 class LightMasks {
 public:
@@ -39,7 +39,7 @@ public:
 
     /// Makes room for a part of `points` points, or of fewer if there is no memory for them.
     void reserve(std::size_t points);
-    std::size_t most_points() const { return most_points_; }
+    std::size_t max_points() const { return max_points_; }
     std::size_t bytes_per_point() const { return bundle_count_ * sizeof(cl_uint); }
     /// The number of tasks, blocks x bundles, of a part of `points` points.
     std::size_t tasks_of(std::size_t points) const {
@@ -73,7 +73,7 @@ public:
     const cl::Buffer& masks() const { return masks_; }
     /// The buffers that horizons read and write; only where bundles are sectors.
     HorizonMasks for_horizons() const {
-        return {masks_, lit_, begins_, bundle_count_, static_cast<cl_uint>(most_points_)};
+        return {masks_, lit_, begins_, bundle_count_, static_cast<cl_uint>(max_points_)};
     }
     const cl::Buffer& queue() const { return queue_; }
     const cl::Buffer& counters() const { return counters_; }
@@ -95,7 +95,7 @@ private:
     cl_uint bundle_count_;
     bool are_sectors_, are_positions_;
     cl::Buffer bundles_, counters_, queue_, masks_, lit_, begins_;
-    std::size_t most_points_ = 0;
+    std::size_t max_points_ = 0;
     std::uint64_t queued_ = 0, by_level_[3] = {};
 };
 

@@ -22,19 +22,18 @@ const char* missing_for_tree(const BvhRun& run) {
                           ": use many-lights=auto");
 }
 
-LightsTraits traits_of(const TableRun& table, bool can_be_bundled) {
-    const BvhRun& run = table.run;
+LightsTraits traits_of(const LightsRun& run, const Triangles& given, bool can_be_bundled) {
     return {.is_cpu = session_of(run.device).is_cpu(),
             .points = run.points.count(),
             .lights = run.lights.count(),
             .triangles = run.triangles.count(),
             .is_picture = run.points.camera().has_value(),
-            .keeps_clusters = Internals::clusters(table.given) != nullptr,
+            .keeps_clusters = Internals::clusters(given) != nullptr,
             .can_be_bundled = can_be_bundled,
             .are_point_lights = !run.lights.lights().front().is_directional()};
 }
 
-double widest_bundle(const TableRun& table) {
+void describe_bundles(LightsTraits& traits, const TableRun& table) {
     double widest = 0;
     for (const LightBundle& bundle : table.bundles.coned().bundles) {
         const LightCone& cone = bundle.cones[0];
@@ -42,7 +41,9 @@ double widest_bundle(const TableRun& table) {
         const glm::dvec3 squares = across * across + along * along;
         widest = std::max(widest, std::sqrt(squares.x + squares.y + squares.z));
     }
-    return table.bundles.coned().are_positions ? widest / table.run.largest_coordinate() : widest;
+    const LightBundles& coned = table.bundles.coned();
+    traits.widest_bundle = coned.are_positions ? widest / table.run.largest_coordinate() : widest;
+    traits.lights_per_bundle = double(traits.lights) / double(coned.bundles.size());
 }
 
 MethodCache::Key key_of(const LightsRun& run) {
@@ -80,10 +81,15 @@ Statistics LightTables::run(Technique& one_light, const LightsRun& given, Lights
     return measured.finish();
 }
 
+bool LightTables::wants_tree(const LightsRun& given) {
+    return gnomon::wants_tree(traits_of(given, given.triangles, true));
+}
+
 LightsMethod LightTables::automatic_method(TableRun& table, bool can_be_bundled) {
     MethodCache::Key key = key_of(table.run);
     if (const auto found = methods_.find(key)) return *found;
-    LightsTraits traits = traits_of(table, can_be_bundled);
+    LightsTraits traits = traits_of(table.run, table.given, can_be_bundled);
+    if (traits.is_cpu && wants_bundles(traits)) describe_bundles(traits, table);
     if (wants_height_field(traits)) {
         try {
             find_field(table);
@@ -91,7 +97,7 @@ LightsMethod LightTables::automatic_method(TableRun& table, bool can_be_bundled)
         }
         traits.is_height_field = table.field != nullptr;
     }
-    if (wants_widest_bundle(traits)) traits.widest_bundle = widest_bundle(table);
+    if (!traits.is_cpu && wants_bundles(traits)) describe_bundles(traits, table);
     LightsCosts costs;
     for (const LightsMethod method : methods_to_measure(traits)) costs[method] = measured_ms(method, table);
     const LightsMethod chosen = choose_method(traits, costs);

@@ -16,6 +16,8 @@ public:
     /// BVH's methods cannot decide the table, `automatic` decides one light at a time, and another method throws
     /// InvalidArgument. `bundle_lights`: the largest number of lights in a bundle. `one_light`: decides single lights.
     Statistics run(Technique& one_light, const LightsRun& given, LightsMethod method, std::uint32_t bundle_lights);
+    /// Whether run() by `automatic` needs the BVH; else the technique decides this run one light at a time at once.
+    static bool wants_tree(const LightsRun& given);
     /// Frees the BVH, the height field and the memory of the sorted points.
     void release();
 

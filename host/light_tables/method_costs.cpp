@@ -36,7 +36,7 @@ LightBundles sampled_bundles(const LightBundles& all, std::size_t most) {
     const std::size_t count = all.bundles.size(), some = std::min(count, most);
     for (std::size_t k = 0; k < some; ++k) {
         const LightBundle& bundle = all.bundles[k * count / some];
-        sample.add(bundle, std::span(all.lights).subspan(k * count / some * MOST_BUNDLE_LIGHTS, bundle.light_count));
+        sample.add(bundle, std::span(all.lights).subspan(k * count / some * MAX_BUNDLE_LIGHTS, bundle.light_count));
     }
     return sample;
 }

@@ -39,10 +39,10 @@ std::optional<Direction> direction_of(const Light& light) {
 // Directions of one hour on many days lie along thin curves, and bundles along a curve have thin cones. A chain that
 // always continues at the nearest remaining light finds such curves in any table. Each step searches all remaining
 // lights, so a large table is first cut into parts along a coarse curve.
-constexpr std::size_t most_in_chain = 4096;
+constexpr std::size_t max_in_chain = 4096;
 
 void sort_coarsely(std::vector<std::uint32_t>& order, const std::vector<Direction>& directions) {
-    if (order.size() <= most_in_chain) return;
+    if (order.size() <= max_in_chain) return;
     std::vector<std::uint32_t> codes(directions.size());
     for (std::size_t i = 0; i < directions.size(); ++i)
         for (int c = 0; c < 3; ++c)
@@ -69,7 +69,7 @@ double chord(const Direction& a, const Direction& b) { return distance(a.unit, b
 
 // The longest chord of a bundle's chain. The suns of one hour move up to .007 a day in a year. With wide bundles, a sky
 // of patches that lie .2 apart took 10 to 40 times as long (Sponza, lost_empire, 145 patches).
-constexpr double most_chain = 0.25;
+constexpr double max_chain = 0.25;
 
 // The first light of each bundle: where a bundle is full, its chain too long, or a step far longer than most.
 std::vector<std::size_t> cut(const std::vector<std::uint32_t>& order, const std::vector<Direction>& directions,
@@ -84,7 +84,7 @@ std::vector<std::size_t> cut(const std::vector<std::uint32_t>& order, const std:
     double length = 0;
     for (std::size_t i = 1; i < order.size(); ++i) {
         length += steps[i - 1];
-        if (i - starts.back() < most && length <= most_chain && steps[i - 1] <= longest) continue;
+        if (i - starts.back() < most && length <= max_chain && steps[i - 1] <= longest) continue;
         starts.push_back(i);
         length = 0;
     }
@@ -198,8 +198,8 @@ void add_chained(LightBundles& made, std::vector<std::uint32_t> order, const std
                  std::uint32_t most) {
     if (order.empty()) return;
     sort_coarsely(order, directions);
-    for (std::size_t first = 0; first < order.size(); first += most_in_chain)
-        chain(std::span(order).subspan(first, std::min(most_in_chain, order.size() - first)), directions);
+    for (std::size_t first = 0; first < order.size(); first += max_in_chain)
+        chain(std::span(order).subspan(first, std::min(max_in_chain, order.size() - first)), directions);
     std::vector<std::size_t> starts = cut(order, directions, most);
     starts.push_back(order.size());
     for (std::size_t b = 0; b + 1 < starts.size(); ++b)
@@ -259,14 +259,14 @@ std::optional<std::vector<Direction>> directions_of(std::span<const Light> light
 }  // namespace
 
 std::span<const std::uint32_t> lights_of_cone(std::span<const std::uint32_t> bundle, std::size_t cone) {
-    const std::size_t level = std::bit_width(cone + 1) - 1, size = MOST_BUNDLE_LIGHTS >> level;
+    const std::size_t level = std::bit_width(cone + 1) - 1, size = MAX_BUNDLE_LIGHTS >> level;
     const std::size_t first = std::min((cone + 1 - (std::size_t(1) << level)) * size, bundle.size());
     return bundle.subspan(first, std::min(size, bundle.size() - first));
 }
 
 void LightBundles::add(const LightBundle& bundle, std::span<const std::uint32_t> of_slots) {
     bundles.push_back(bundle);
-    for (std::size_t l = 0; l < MOST_BUNDLE_LIGHTS; ++l) lights.push_back(l < of_slots.size() ? of_slots[l] : no_light);
+    for (std::size_t l = 0; l < MAX_BUNDLE_LIGHTS; ++l) lights.push_back(l < of_slots.size() ? of_slots[l] : no_light);
 }
 
 std::size_t LightBundles::light_count() const {
@@ -278,10 +278,10 @@ LightBundles make_plain_bundles(const LightBundles& coned) {
     LightBundles made;
     for (std::size_t i = 0, count = 0; i < coned.lights.size(); ++i) {
         if (coned.lights[i] == no_light) continue;
-        const std::size_t from = i % MOST_BUNDLE_LIGHTS, slot = count++ % MOST_BUNDLE_LIGHTS;
+        const std::size_t from = i % MAX_BUNDLE_LIGHTS, slot = count++ % MAX_BUNDLE_LIGHTS;
         if (slot == 0) made.add({}, {});
         LightBundle& bundle = made.bundles.back();
-        const LightBundle& given = coned.bundles[i / MOST_BUNDLE_LIGHTS];
+        const LightBundle& given = coned.bundles[i / MAX_BUNDLE_LIGHTS];
         for (int c = 0; c < 3; ++c) bundle.directions[c][slot] = given.directions[c][from];
         bundle.axes[slot] = given.axes[from];
         bundle.light_count = static_cast<std::uint32_t>(slot + 1);

@@ -14,7 +14,7 @@ namespace gnomon {
 
 struct LightBundles {
     std::vector<LightBundle> bundles;
-    std::vector<std::uint32_t> lights;  ///< MOST_BUNDLE_LIGHTS per bundle: the index of each slot's light, or no_light
+    std::vector<std::uint32_t> lights;  ///< MAX_BUNDLE_LIGHTS per bundle: the index of each slot's light, or no_light
     bool are_positions = false;
 
     void add(const LightBundle& bundle, std::span<const std::uint32_t> of_slots);

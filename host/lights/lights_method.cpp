@@ -12,9 +12,7 @@ constexpr const LightsTuning& tuning = lights_tuning;
 std::size_t pairs_of(const LightsTraits& traits) { return traits.points * traits.lights; }
 
 // True if the methods that share shadow rays may decide the table.
-bool are_shared(const LightsTraits& traits) {
-    return traits.can_be_bundled && traits.lights >= tuning.min_shared_lights;
-}
+bool are_shared(const LightsTraits& traits) { return traits.can_be_bundled && wants_tree(traits); }
 
 bool are_worth_measuring(const LightsTraits& traits) {
     return are_shared(traits) && pairs_of(traits) >= tuning.min_measured_pairs;
@@ -22,6 +20,14 @@ bool are_worth_measuring(const LightsTraits& traits) {
 
 bool are_thin(const LightsTraits& traits) {
     return traits.widest_bundle < (traits.are_point_lights ? tuning.thin_box : tuning.thin_cone);
+}
+
+// True if neighbouring lights share little. A picture's points are so dense that beams may be faster all the same.
+bool are_scattered(const LightsTraits& traits) {
+    if (!traits.is_cpu || traits.is_picture) return false;
+    if (traits.lights < tuning.min_shared_lights) return true;
+    return traits.are_point_lights ? traits.widest_bundle >= tuning.cpu_scattered_box
+                                   : traits.lights_per_bundle < tuning.cpu_scattered_lights;
 }
 
 // On a GPU one light at a time was the fastest for the points of some pictures, seldom for other points. Other points
@@ -35,6 +41,7 @@ bool may_take_single_lights(const LightsTraits& traits) {
 // The method that a rule chooses, or no value where measured costs decide.
 std::optional<LightsMethod> method_by_rule(const LightsTraits& traits) {
     if (!are_shared(traits)) return LightsMethod::one_by_one;
+    if (are_scattered(traits) && !traits.is_height_field) return LightsMethod::rays;
     if (!are_worth_measuring(traits)) return LightsMethod::beams;
     if (traits.is_cpu) return {};
     if (traits.is_height_field) return LightsMethod::horizons;
@@ -47,14 +54,22 @@ std::optional<LightsMethod> method_by_rule(const LightsTraits& traits) {
 
 }  // namespace
 
+bool wants_tree(const LightsTraits& traits) {
+    if (traits.lights >= tuning.min_shared_lights) return true;
+    return traits.is_cpu && traits.keeps_clusters && !traits.is_picture &&
+           pairs_of(traits) >= traits.triangles / tuning.cpu_triangles_per_pair;
+}
+
 // On a GPU horizons are never the fastest for the points of pictures.
 bool wants_height_field(const LightsTraits& traits) {
+    if (are_scattered(traits) && traits.lights < tuning.cpu_sector_lights) return false;
     return are_worth_measuring(traits) && !traits.are_point_lights && (traits.is_cpu || !traits.is_picture) &&
            pairs_of(traits) >= tuning.min_field_pairs_per_triangle * traits.triangles;
 }
 
-bool wants_widest_bundle(const LightsTraits& traits) {
-    return are_worth_measuring(traits) && !traits.is_cpu && !traits.is_height_field;
+bool wants_bundles(const LightsTraits& traits) {
+    if (traits.is_cpu) return are_shared(traits) && !traits.is_picture;
+    return are_worth_measuring(traits) && !traits.is_height_field;
 }
 
 std::vector<LightsMethod> methods_to_measure(const LightsTraits& traits) {

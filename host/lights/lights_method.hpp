@@ -22,10 +22,22 @@ inline constexpr std::string_view lights_method_names[] = {"auto",        "one-b
 /// docs/many_lights.md has what each method takes. "Two cores" are those of an EPYC.
 struct LightsTuning {
     // ---- Rules
-    /// Fewer lights are decided one by one (two cores, dba3afc).
+    /// Fewer lights are decided one by one (two cores, dba3afc), unless wants_tree().
     std::size_t min_shared_lights = 4;
+    /// A BVH that is kept serves fewer lights, too, if there is a pair for this number of triangles: packets to 1 and 3
+    /// lights take .5 to 1.5 and .16 to .5 of the time of single lights; 1 light and a million vertices of a terrain of
+    /// 2 million .56 (two cores, ba4c1fc).
+    std::size_t cpu_triangles_per_pair = 4;
     /// Fewer pairs take some milliseconds by beams, and a sample of them as long (two cores, dba3afc).
     std::size_t min_measured_pairs = std::size_t(1) << 20;
+    /// Directional lights with fewer lights than this in a bundle, on average, are scattered, and so are point lights
+    /// in boxes of at least this share of the largest coordinate: packets were the fastest for all points but
+    /// pictures'. 40 suns of a year, 1.8 in a bundle, on a town, Sponza, lost_empire and a terrain of 2 million: beams
+    /// take 1.17 to 1.45 times as long (two cores, AVX-512, 130dda7).
+    double cpu_scattered_lights = 4, cpu_scattered_box = 0.25;
+    /// Fewer scattered lights than this have sectors of one or two lights each: horizons of a terrain took twice the
+    /// time of packets for 40 suns (two cores, 130dda7).
+    std::size_t cpu_sector_lights = 64;
     /// Pairs of each triangle from which on a height field is searched for: that takes as long as to decide some
     /// (H200, ec9c821).
     std::size_t min_field_pairs_per_triangle = 8;
@@ -75,7 +87,9 @@ struct LightsTraits {
     bool can_be_bundled = true;     ///< the lights are of one kind, and all coordinates are in the filter's range
     bool are_point_lights = false;  ///< else they are directional
     bool is_height_field = false;   ///< set where wants_height_field()
-    /// Set where wants_widest_bundle(): half the diagonal of the widest bundle, of directions of length 1, or of
+    /// Set where wants_bundles(): the mean number of lights in a bundle.
+    double lights_per_bundle = std::numeric_limits<double>::infinity();
+    /// Set where wants_bundles(): half the diagonal of the widest bundle, of directions of length 1, or of
     /// positions as a share of the largest coordinate.
     double widest_bundle = std::numeric_limits<double>::infinity();
 };
@@ -92,10 +106,12 @@ private:
     std::array<double, std::size(lights_method_names)> ms_;
 };
 
+/// Whether a run by `automatic` makes the BVH. Else it decides one light at a time.
+bool wants_tree(const LightsTraits& traits);
 /// Whether the choice depends on whether the triangles are a height field.
 bool wants_height_field(const LightsTraits& traits);
-/// Whether the choice depends on how wide bundles are.
-bool wants_widest_bundle(const LightsTraits& traits);
+/// Whether the choice depends on how wide and full bundles are. On a CPU wants_height_field() depends on that, too.
+bool wants_bundles(const LightsTraits& traits);
 /// The methods whose costs the choice depends on; none where a rule decides.
 std::vector<LightsMethod> methods_to_measure(const LightsTraits& traits);
 /// The method that takes the least time by rule, or else by these costs. Never `automatic`.

@@ -30,7 +30,7 @@ void require_lights_run(const LightsRun& run);
 /// The outputs of a run while masks are added to them.
 class LightSums {
 public:
-    /// Clears the outputs. `slots`: MOST_BUNDLE_LIGHTS per bundle, the index of each slot's light, or no_light.
+    /// Clears the outputs. `slots`: MAX_BUNDLE_LIGHTS per bundle, the index of each slot's light, or no_light.
     /// `sorted`: the points in the order of the masks, null if that is the order of the run's points.
     LightSums(const LightsRun& run, std::span<const std::uint32_t> slots, const SortedPoints* sorted);
     /// Adds masks of the points [first_point, first_point + point_count).

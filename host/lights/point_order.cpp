@@ -105,7 +105,7 @@ void SortedPoints::sort(const Inputs& in) {
                    in.points.positions, in.points.receivers, in.normals, low, high, order_);
     // The sort keeps the order of equal keys, so the lower half goes first.
     Sort sort;
-    sort.run(session, count, low, order_);
+    sort.run(session, count, low, order_, 3 * POINT_CODE_BITS);
     session.launch("lights/point_order.cl", "point_reorder", cl::Range::items(count), count, high, order_, sorted_high);
     sort.run(session, count, sorted_high, order_);
 }

@@ -28,8 +28,8 @@ int longest_axis(std::span<const std::uint32_t> part, const Positions& positions
 void halve(std::span<std::uint32_t> part, const Positions& positions) {
     if (part.size() < 2) return;
     const int axis = longest_axis(part, positions);
-    const std::size_t left = part.size() > MOST_BUNDLE_LIGHTS
-                                 ? (part.size() / 2 + MOST_BUNDLE_LIGHTS - 1) / MOST_BUNDLE_LIGHTS * MOST_BUNDLE_LIGHTS
+    const std::size_t left = part.size() > MAX_BUNDLE_LIGHTS
+                                 ? (part.size() / 2 + MAX_BUNDLE_LIGHTS - 1) / MAX_BUNDLE_LIGHTS * MAX_BUNDLE_LIGHTS
                                  : std::bit_ceil(part.size()) / 2;
     std::ranges::nth_element(part, part.begin() + std::ptrdiff_t(left), {},
                              [&](std::uint32_t i) { return std::pair(positions[i][axis], i); });

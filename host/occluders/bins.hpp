@@ -8,7 +8,8 @@ namespace gnomon {
 
 class Bins {
 public:
-    /// Makes room for the lists of this many bins, and zeroes their counts. The setup may append pairs before run().
+    /// Makes room for the lists of this many bins, and zeroes their counts where items share them. The setup may append
+    /// pairs before run().
     PairBuffers begin(cl::Session& session, std::uint32_t bin_count, const TriangleSetup& setup);
     /// Fills pairs(), ranges() and entries() from the bounds, records and tiles of the setup. `pyramid`
     /// (receiver_depth_pyramid) may be null: then the depth excludes no bin. Without `orders_runs` no walk may end a
@@ -25,9 +26,9 @@ public:
     const cl::Buffer& ranges() const { return ranges_; }
     const cl::Buffer& entries() const { return entries_.buffer(); }
 
-    /// The lists start with four entries per triangle, but at least least_capacity (few triangles may be in all bins)
+    /// The lists start with four entries per triangle, but at least min_capacity (few triangles may be in all bins)
     /// and at most initial_capacity. Tests start with 1; 0 restores the default.
-    static constexpr std::uint32_t initial_capacity = 1u << 20, least_capacity = 1u << 16;
+    static constexpr std::uint32_t initial_capacity = 1u << 20, min_capacity = 1u << 16;
     void limit_initial_capacity(std::uint32_t capacity) {
         first_capacity_ = capacity != 0 ? capacity : initial_capacity;
     }
@@ -37,6 +38,8 @@ private:
     cl::Buffer unordered_;  ///< on a GPU: the entries before the entries of each run are sorted
     GrowingList pairs_{sizeof(Pair)}, entries_{BIN_ENTRY_BYTES};
     std::uint32_t first_capacity_ = initial_capacity, bin_count_ = 0;
+    std::uint32_t count_rows_ = 1;  ///< a CPU's items count in rows of their own while these are no more than
+    static constexpr std::size_t max_own_counts = std::size_t{1} << 22;
 };
 
 }  // namespace gnomon

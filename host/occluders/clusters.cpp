@@ -25,7 +25,7 @@ double area_of(const CoordinateBounds& box) {
 // line that meets the scene meets this many boxes on average, and the order along a curve leaves at most this share of
 // them. Measured boxes, before -> after: foliage of 1.3 million triangles, made in disorder, 1148 -> 3.8, lost_empire
 // 106 -> 17.6 (no time gained), Sponza 21 -> 17.6, city 17 -> 4.6, pipes 11 -> 5.6 (time lost), colonnade 1.3 -> 1.3.
-constexpr double boxes_worth_order = 256, most_area_worth_order = 0.25;
+constexpr double boxes_worth_order = 256, max_area_worth_order = 0.25;
 
 // The box around all boxes, and the sum of the areas of the boxes.
 struct Spread {
@@ -96,7 +96,7 @@ void Clusters::reorder(const TriangleInputs& triangles, const MortonGrid& grid, 
     session.launch(triangles.kernel("occluders/clusters.cl", "cluster_gather"), cl::Range::items(triangles.count),
                    params_of(triangles, count_), triangles.vertices, numbers, vertices);
     make_boxes(session, in_order(triangles, vertices), count_, boxes);
-    if (spread_of(session, boxes, count_).area > area * most_area_worth_order) return;
+    if (spread_of(session, boxes, count_).area > area * max_area_worth_order) return;
     boxes_ = std::move(boxes);
     vertices_ = std::move(vertices);
     numbers_ = std::move(numbers);

@@ -8,10 +8,10 @@ void ConservativeMap::run(cl::Session& session, const LightFrame& frame, const c
                           const cl::Buffer& counters) {
     const std::size_t bytes = std::size_t(frame.width) * frame.height * sizeof(cl_uint);
     map_.reserve(session, bytes);
-    session.fill(map_, 0, bytes);  // below every height's key
+    session.fill({{map_, 0, bytes}});  // below every height's key
     const ConservativeMapParams params{.tile_capacity = setup.map_tiles().capacity(),
                                        .circle_cover = cover_test == CoverTest::circle};
-    session.launch("occluders/conservative_map.cl", "conservative_map_draw", cl::Range::items(params.tile_capacity),
+    session.launch("occluders/conservative_map.cl", "conservative_map_draw", cl::Range::shares(params.tile_capacity),
                    params, projection, setup.records(), setup.map_tiles().buffer(), pyramid, map_, counters,
                    cl::LocalBytes{session.work_group_size() * sizeof(cl_uint)},
                    cl::LocalBytes{session.work_group_size() * sizeof(cl_uint2)});

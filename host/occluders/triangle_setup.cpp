@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "occluders/triangle_setup.hpp"
 
+#include <algorithm>
+
 #include "kernels/lists/append.h"
 #include "occluders/clusters.hpp"
 #include "query/variants.hpp"
@@ -34,7 +36,7 @@ void TriangleSetup::run_bounds(cl::Session& session, const ProjectionInput& proj
                                const cl::Buffer* clusters, const cl::Buffer* pyramid, const cl::Buffer& counters) {
     // A work-item of a CPU may leave most of a block unused.
     const std::size_t unused =
-        session.is_cpu() ? session.many_groups() * session.work_group_size() * APPEND_BLOCK_ON_CPU : 0;
+        session.is_cpu() ? session.compute_units() * session.work_group_size() * APPEND_BLOCK_ON_CPU : 0;
     const std::uint64_t likely = std::min<std::uint64_t>(triangles.count + unused + 1, first_capacity_);
     bounds_.reserve(session, likely);
     // The same capacity as for bounds, also if an earlier run failed between these lists; one tile for each triangle.
@@ -50,7 +52,7 @@ void TriangleSetup::run_bounds(cl::Session& session, const ProjectionInput& proj
         params.first_sample = projection.camera->first_sample;
     }
     session.launch(variant(session, Task::make_triangle_bounds, projection.is_directional, triangles.has_cut_outs),
-                   session.blocks(triangles.count), params, projection.buffer, ordered.vertices,
+                   session.block_shares(triangles.count), params, projection.buffer, ordered.vertices,
                    clusters ? *clusters : bounds(), pyramid ? *pyramid : bounds(), bounds(), map_candidates_.buffer(),
                    counters, cl::LocalBytes{session.work_group_size() * BOUNDS_AT_ONCE * sizeof(TriangleBounds)});
 }
@@ -69,15 +71,16 @@ void TriangleSetup::run_tiles_for(cl::Session& session, const ProjectionInput& p
     params.has_numbers = ordered.numbers != nullptr;
     params.has_pyramid = pyramid != nullptr;
     params.for_map = for_map;
-    params.lists_pairs = pairs != nullptr;
+    params.count_rows = pairs ? pairs->count_rows : 0;
     if (projection.camera) {
         params.picture = projection.camera->picture;
         params.samples_per_pixel = projection.camera->samples_per_pixel;
     }
+    const std::size_t items = session.is_cpu() ? params.count_rows : 0;  // each clears its row of counts
     const Task task = projection.camera ? Task::make_camera_tiles : Task::make_triangle_tiles;
     session.launch(variant(session, task, projection.is_directional, triangles.has_cut_outs),
-                   cl::Range::items(capacity()), params, projection.buffer, ordered.vertices, selection,
-                   pyramid ? *pyramid : bounds(), bounds(), records(), tiles.buffer(),
+                   cl::Range::shares(std::max<std::size_t>(capacity(), items)), params, projection.buffer,
+                   ordered.vertices, selection, pyramid ? *pyramid : bounds(), bounds(), records(), tiles.buffer(),
                    pairs ? pairs->bin_counts : bounds(), pairs ? pairs->pairs : bounds(), counters,
                    cl::LocalBytes{session.work_group_size() * (sizeof(cl_uint4) + 2 * sizeof(cl_uint))});
 }

@@ -35,7 +35,7 @@ private:
 
 /// The list of pairs of a triangle and a bin, and the counts of the bins' pairs (bins.hpp).
 struct PairBuffers {
-    cl_uint capacity;
+    cl_uint capacity, count_rows;
     const cl::Buffer& pairs;
     const cl::Buffer& bin_counts;
 };
@@ -52,7 +52,7 @@ public:
         run_tiles_for(session, projection, triangles, &pyramid, true, nullptr, counters);
     }
     /// Fills records() and tiles() for the triangles that are not wholly below `pyramid` (or null). With `pairs` a CPU
-    /// appends the pairs of small triangles at once, and makes tiles only of the other triangles.
+    /// appends the pairs in place of tiles.
     void run_tiles(cl::Session& session, const ProjectionInput& projection, const TriangleInputs& triangles,
                    const cl::Buffer* pyramid, const PairBuffers* pairs, const cl::Buffer& counters) {
         run_tiles_for(session, projection, triangles, pyramid, false, pairs, counters);

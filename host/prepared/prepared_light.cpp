@@ -139,14 +139,14 @@ std::vector<cl_uint> PreparedLight::unshadowed_bits(cl::Session& session) const 
 void PreparedLight::find_unshadowed_triangles(cl::Session& session, Statistics& statistics,
                                               const TriangleInputs& triangles) {
     constexpr cl_uint sample_step = 16;
-    constexpr std::size_t least_share = 32;  // at least one triangle in this many
+    constexpr std::size_t min_share = 32;  // at least one triangle in this many
     if (session.is_cpu() || frame_count_of(light_frame_) != 1 || records_kept_ == 0) return;
     cl::StageTimer timer(session, statistics, "unshadowed_triangles");
-    if (records_kept_ >= sample_step * least_share) {
+    if (records_kept_ >= sample_step * min_share) {
         seek_unshadowed_triangles(session, triangles, sample_step);
         std::size_t unshadowed = 0;
         for (const cl_uint word : unshadowed_bits(session)) unshadowed += static_cast<std::size_t>(std::popcount(word));
-        if (unshadowed * least_share < records_kept_ / sample_step) return;
+        if (unshadowed * min_share < records_kept_ / sample_step) return;
     }
     seek_unshadowed_triangles(session, triangles, 1);
 }

@@ -48,11 +48,13 @@ bool PreparedRuns::decide(const FramedInputs& in, TracedRun& run) {
     cl::Session& session = tracer_.session();
     const TraceInputs inputs = this->inputs(in);
     const auto trace = [&](Task task) {
-        tracer_.clear_counters();
-        cl::StageTimer timer(session, run.statistics, "trace");
         const bool caches = task == Task::trace_prepared_cached_facing;
-        tracer_.trace().run(session, task, inputs,
-                            caches ? &tracer_.frames().empty_facing_cache(session, in.triangles) : nullptr);
+        const cl::Fill counters{tracer_.counters(), 0, sizeof(FrameCounters)};
+        const cl::Fill cache =
+            caches ? tracer_.frames().empty_facing_cache(session, in.triangles) : cl::Fill{tracer_.counters(), 0, 0};
+        session.fill({counters, cache});
+        cl::StageTimer timer(session, run.statistics, "trace");
+        tracer_.trace().run(session, task, inputs, caches ? &cache.buffer : nullptr);
         timer.next("exact_trace");
         tracer_.trace().decide_queue(session, inputs);
         timer.next(nullptr);

@@ -423,6 +423,10 @@ void bind_views(nb::module_& m) {
             gnomon::run_samples(technique, triangles, view, light_of(light), samples, mean);
         },
         Released());
+}
+
+void bind_pictures(nb::module_& m) {
+    using gnomon::View;
     nb::class_<gnomon::Appearance>(m, "Appearance")
         .def_static("upload", [](const gnomon::Device& device, const Ids& triangle_material,
                                  const std::vector<gnomon::Float3>& base_color) {
@@ -439,6 +443,25 @@ void bind_views(nb::module_& m) {
                   std::vector<gnomon::Light> all;
                   for (const auto& light : lights) all.push_back(light_of(light));
                   return gnomon::shade(appearance.surfaces(triangles, view), visibilities, all).rgba;
+              });
+              return numpy_of(std::move(rgba), {height, width, 4});
+          });
+    m.def("smooth_picture",
+          [](const gnomon::Appearance& appearance, gnomon::Technique& technique, const gnomon::Triangles& triangles,
+             const View& view, const std::array<float, 4>& light, std::uint32_t samples) {
+              const std::size_t height = view.height, width = view.width;
+              std::vector<std::uint8_t> rgba = released([&] {
+                  const gnomon::Device& device = technique.device();
+                  const gnomon::Light one = light_of(light);
+                  gnomon::SampleViews views(device, triangles, view, samples);
+                  gnomon::PictureMean mean(device, view.points.count(), samples);
+                  const gnomon::Visibility visibility(device, view.points.count());
+                  for (std::size_t i = 0; i < views.count(); ++i) {
+                      const View at = views.at(i);
+                      technique.run(triangles, at.points, one, visibility);
+                      mean.add(appearance.surfaces(triangles, at), {&visibility, 1}, {&one, 1});
+                  }
+                  return mean.read();
               });
               return numpy_of(std::move(rgba), {height, width, 4});
           });
@@ -552,5 +575,6 @@ NB_MODULE(_gnomon, m) {
     bind_made_lights(m);
     bind_lattice(m);
     bind_views(m);
+    bind_pictures(m);
     bind_scenes(m);
 }

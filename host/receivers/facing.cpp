@@ -46,7 +46,7 @@ void face_points(cl::Session& session, const FacingParams& params, const Triangl
     // Frame margins depend on how points are grouped per work-item. This changes last bits of margins, never an answer.
     // On a GPU the number of items is the device's, whatever the size of work-groups; on a CPU it depends on the cores
     // and on that size. (Groups of 12 points for each item took 31 us in place of 37 on an H200.)
-    launch(session, task, session.blocks(params.layout.count), params, triangles, points, buffers);
+    launch(session, task, session.block_shares(params.layout.count), params, triangles, points, buffers);
     if (task == Task::decide_facing_filtered)
         launch(session, Task::decide_facing_exactly, cl::Range::groups(session.compute_units() * 4), params, triangles,
                points, buffers);
@@ -54,18 +54,17 @@ void face_points(cl::Session& session, const FacingParams& params, const Triangl
 
 }  // namespace
 
-const cl::Buffer& FacingStage::empty_cache(cl::Session& session, const TriangleInputs& triangles) {
+cl::Fill FacingStage::empty_cache(cl::Session& session, const TriangleInputs& triangles) {
     const std::size_t bytes = (triangles.count / session.lanes() + 1) * sizeof(cl_uint);
     cache_.reserve(session, bytes);
-    session.fill(cache_, 0, bytes);
-    return cache_;
+    return {cache_, 0, bytes};
 }
 
 const cl::Buffer* FacingStage::make_cache(cl::Session& session, const FacingParams& params,
                                           const TriangleInputs& triangles, const PointInputs& points,
                                           const cl::Buffer& counters) {
     if (!share_facing(points)) return nullptr;
-    if (session.is_cpu()) return &empty_cache(session, triangles);
+    if (session.is_cpu()) return &cache_;
     // The kernel reads all triangles in order, but points' receivers from anywhere: with as many points as triangles
     // both ways take the same time.
     if (points.layout.count / 2 < triangles.count) return nullptr;
@@ -82,9 +81,11 @@ void FacingStage::run(cl::Session& session, const LightFrame& light_frame, const
     frame_bounds_.reserve(session, bytes);
     const bool filters = !session.is_cpu() && share_facing(points) && points.footprints == nullptr;
     undecided_.reserve(session, filters ? (1 + UNDECIDED_CAPACITY) * sizeof(cl_uint) : 0);
+    const bool caches = session.is_cpu() && share_facing(points);
     session.fill({{frame_bounds_, 0, bytes},
                   {counters, 0, sizeof(FrameCounters)},
-                  {undecided_, 0, filters ? sizeof(cl_uint) : 0}});
+                  {undecided_, 0, filters ? sizeof(cl_uint) : 0},
+                  caches ? empty_cache(session, triangles) : cl::Fill{frame_bounds_, 0, 0}});
     has_blocks_ = session.lanes() > 1 && points.footprints == nullptr;
     const FacingParams params = facing_params(light_frame, triangles, points, triangles.count != 0, has_blocks_);
     const cl::Buffer* cache = make_cache(session, params, triangles, points, counters);

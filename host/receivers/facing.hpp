@@ -14,8 +14,8 @@ public:
     /// here).
     void run(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
              const PointInputs& points, cl_mem visibility, const cl::Buffer& counters);
-    /// On a CPU: a cache in which no triangle is classified yet (kernels/receivers/facing_cache.clh).
-    const cl::Buffer& empty_cache(cl::Session& session, const TriangleInputs& triangles);
+    /// On a CPU: room for a cache, and what makes it one in which no triangle is classified yet (facing_cache.clh).
+    cl::Fill empty_cache(cl::Session& session, const TriangleInputs& triangles);
     const cl::Buffer& frame_bounds() const { return frame_bounds_; }  ///< PointBounds of each frame
     /// BlockBounds of each block of points (kernels/receivers/block_bounds.h); null where blocks are single points or
     /// footprints.

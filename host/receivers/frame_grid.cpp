@@ -6,9 +6,9 @@
 namespace gnomon {
 namespace {
 
-FrameGrid with_bins(std::uint32_t size, std::uint32_t most_bins) {
+FrameGrid with_bins(std::uint32_t size, std::uint32_t max_bins) {
     FrameGrid grid{size, 0};
-    while (grid.bins() > most_bins) ++grid.bin_log2;
+    while (grid.bins() > max_bins) ++grid.bin_log2;
     return grid;
 }
 
@@ -56,9 +56,9 @@ FrameGrid prepared_grid(const cl::Session& session, std::uint32_t map_size, std:
     // fewest tests (a tenth to a quarter fewer than 512), except for 2048, where making the map takes five times as
     // long. A list's entries are read 16 at a time, so that a bin with few entries is mostly empty; but scenes of
     // millions spend their time on reading long lists (docs/performance.md).
-    std::uint32_t most_bins = 256;
-    while (most_bins < 1024 && triangle_count > std::size_t(most_bins) * most_bins * 8) most_bins *= 2;
-    return with_bins(map_size != 0 ? map_size : 1024, most_bins);
+    std::uint32_t max_bins = 256;
+    while (max_bins < 1024 && triangle_count > std::size_t(max_bins) * max_bins * 8) max_bins *= 2;
+    return with_bins(map_size != 0 ? map_size : 1024, max_bins);
 }
 
 }  // namespace gnomon

@@ -29,7 +29,7 @@ public:
     /// Makes receiver_depths() of a frame in projection(), over the points of start_facing().
     void reduce_depths(cl::Session& session, Statistics& statistics, const FramedInputs& in, cl_uint frame);
     ReceiverDepthPyramid& receiver_depths() { return receiver_depths_; }
-    const cl::Buffer& empty_facing_cache(cl::Session& session, const TriangleInputs& triangles) {
+    cl::Fill empty_facing_cache(cl::Session& session, const TriangleInputs& triangles) {
         return facing_.empty_cache(session, triangles);
     }
     const cl::Buffer& projection() const { return has_one_ ? light_frame_.projections() : projection_; }

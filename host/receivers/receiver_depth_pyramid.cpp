@@ -21,7 +21,9 @@ std::vector<PyramidLevel> pyramid_levels(const LightFrame& light_frame, cl_uint 
     }
 }
 
+// On a CPU the kernel that makes the bins makes the levels above them, too.
 void reduce(cl::Session& session, const std::vector<PyramidLevel>& levels, const cl::Buffer& pyramid) {
+    if (session.is_cpu()) return;
     for (std::size_t from = 0; from + 2 < levels.size(); from += PYRAMID_LEVELS) {
         const auto squares = [](std::size_t last_cell) { return (last_cell >> PYRAMID_LEVELS) + 1; };
         const PyramidLevel& level = levels[from];
@@ -60,7 +62,7 @@ void ReceiverDepthPyramid::run(cl::Session& session, const LightFrame& light_fra
                                      .has_footprints = points.footprints != nullptr,
                                      .has_blocks = blocks != nullptr};
     session.launch(variant(session, Task::make_receiver_depths, light_frame.perspective == 0),
-                   session.blocks(points.layout.count), params, projections, points.positions,
+                   session.block_shares(points.layout.count), params, projections, points.positions,
                    points.footprints != nullptr ? points.footprints : points.positions,
                    blocks != nullptr ? *blocks : projections, visibility, pyramid_, self_shadow_depths_);
     reduce(session, levels, pyramid_);
@@ -79,7 +81,7 @@ void ReceiverDepthPyramid::run_depth_after_map(cl::Session& session, const Light
     const std::vector<PyramidLevel> levels = pyramid_levels(light_frame, frame_count);
     depth_after_map_.reserve(session, levels.back().first * sizeof(cl_uint));
     session.launch("receivers/receiver_depth_pyramid.cl", "depth_after_map",
-                   cl::Range::items(bin_count(light_frame, frame_count)), frame_count, projections, *map, pyramid_,
+                   cl::Range::shares(bin_count(light_frame, frame_count)), frame_count, projections, *map, pyramid_,
                    self_shadow_depths_, depth_after_map_);
     reduce(session, levels, depth_after_map_);
 }

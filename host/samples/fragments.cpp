@@ -191,9 +191,9 @@ private:
         const auto of_file = [&](const char* kernel) { return inputs_.kernel("samples/samples_filter.cl", kernel); };
         SamplesParams params = params_of(0, counted_.edges);
         OpenCapacities& room = params.open;
-        room.pixels = counted_.edges / 2 + LEAST_OPEN_ROOM;
-        room.pairs = (inputs_.has_cut_outs ? 8 : 2) * counted_.edges + LEAST_OPEN_ROOM;
-        const std::size_t words = std::size_t(room.pixels) * (MOST_SAMPLES + 1) + 2 * std::size_t(room.pairs);
+        room.pixels = counted_.edges / 2 + MIN_OPEN_ROOM;
+        room.pairs = (inputs_.has_cut_outs ? 8 : 2) * counted_.edges + MIN_OPEN_ROOM;
+        const std::size_t words = std::size_t(room.pixels) * (MAX_SAMPLES + 1) + 2 * std::size_t(room.pairs);
         kept_.open.reserve(session_, words * sizeof(cl_uint));
         constexpr std::size_t warp = 32;
         cl::Kernel masks = inputs_.kernel("samples/samples_masks_gpu.cl", "samples_masks_gpu");
@@ -373,7 +373,7 @@ SamplesByFragments::~SamplesByFragments() = default;
 SamplePattern pattern_of(std::span<const SampleOffset> offsets) {
     SamplePattern pattern{};
     pattern.count = static_cast<cl_uint>(offsets.size());
-    pattern.all = pattern.count == MOST_SAMPLES ? 0xFFFFFFFFu : (1u << pattern.count) - 1;
+    pattern.all = pattern.count == MAX_SAMPLES ? 0xFFFFFFFFu : (1u << pattern.count) - 1;
     for (int c = 0; c < 2; ++c) {
         pattern.low[c] = 1.0f;
         pattern.high[c] = 0.0f;

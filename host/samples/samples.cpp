@@ -3,6 +3,8 @@
 #include "samples/samples.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
 
 #include "query/statistics.hpp"
 
@@ -55,10 +57,13 @@ void add_counts(Statistics& total, const Statistics& batch) {
     }
 }
 
-// Makes every sample of every pixel a point: for techniques without fragments, or for `sink` alone
-// (technique null).
-Statistics run_every_sample(Technique* technique, const SampledView& in, const SampleSink& sink) {
-    const auto& [device, triangles, view, light, pattern, mean, points_at_once] = in;
+// Writes the visibility of some samples' points.
+using DecideSamples = std::function<Statistics(const Points& points, const Visibility& visibility)>;
+
+// Makes every sample of every pixel a point: for techniques without fragments, or for `sink` alone (decide empty).
+Statistics run_every_sample(const Device& device, const Triangles& triangles, const View& view,
+                            std::span<const SampleOffset> pattern, const DecideSamples& decide, const Visibility& mean,
+                            std::size_t points_at_once, const SampleSink& sink) {
     cl::Session& session = session_of(device);
     const std::uint64_t before = session.memory_bytes();
     const std::size_t pixels = view.points.count();
@@ -81,8 +86,8 @@ Statistics run_every_sample(Technique* technique, const SampledView& in, const S
         Points points = Points::wrap(device, positions.get(), {0, 1, points_count}, points_count, receivers.get());
         points.set_camera(camera, view.width, view.height);
         if (sink) sink(points);
-        if (technique == nullptr) continue;
-        const Statistics shadow = technique->run(triangles, points, light, visibility);
+        if (!decide) continue;
+        const Statistics shadow = decide(points, visibility);
         add_stages(total, shadow);
         add_counts(total, shadow);
         const bool is_last = first + count == pattern.size();
@@ -99,6 +104,26 @@ Statistics run_every_sample(Technique* technique, const SampledView& in, const S
     return total;
 }
 
+void require_camera(const View& view) {
+    if (!view.points.camera()) throw InvalidArgument("samples need a view that a camera has made");
+}
+
+std::span<const SampleOffset> require_samples(const View& view, std::uint32_t samples, const Visibility& mean) {
+    const std::span<const SampleOffset> pattern = sample_pattern(samples);
+    require_camera(view);
+    const std::size_t pixels = view.points.count();
+    if (mean.count() < pixels)
+        throw InvalidArgument("the visibility buffer holds " + std::to_string(mean.count()) + " of " +
+                              std::to_string(pixels) + " pixels");
+    return pattern;
+}
+
+void finish_samples(const Device& device, cl::Clock::time_point start, Statistics& total) {
+    session_of(device).finish();
+    merge_stages(total);
+    total.total_wall_ms = cl::ms_since(start);
+}
+
 }  // namespace
 
 std::span<const SampleOffset> sample_pattern(std::uint32_t samples) {
@@ -110,31 +135,79 @@ std::span<const SampleOffset> sample_pattern(std::uint32_t samples) {
 Statistics run_samples_in_batches(Technique& technique, const Triangles& triangles, const View& view,
                                   const Light& light, std::uint32_t samples, const Visibility& mean,
                                   const SampleSink& sink, std::size_t points_at_once) {
-    const std::span<const SampleOffset> pattern = sample_pattern(samples);
-    if (!view.points.camera()) throw InvalidArgument("samples need a view that a camera has made");
-    const std::size_t pixels = view.points.count();
-    if (mean.count() < pixels)
-        throw InvalidArgument("the visibility buffer holds " + std::to_string(mean.count()) + " of " +
-                              std::to_string(pixels) + " pixels");
+    const std::span<const SampleOffset> pattern = require_samples(view, samples, mean);
     const auto start = cl::Clock::now();
+    const Device& device = technique.device();
+    const auto run_every = [&](const DecideSamples& decide) {
+        return run_every_sample(device, triangles, view, pattern, decide, mean, points_at_once, sink);
+    };
     Statistics total;
-    const SampledView in{technique.device(), triangles, view, light, pattern, mean, points_at_once};
     auto* by_fragments = dynamic_cast<TracesFragments*>(&technique);
     if (by_fragments != nullptr && samples > 1 && triangles.count() != 0) {
-        if (sink) run_every_sample(nullptr, in, sink);
-        total = by_fragments->run_fragments(in);
+        if (sink) run_every({});
+        total = by_fragments->run_fragments({device, triangles, view, light, pattern, mean, points_at_once});
     } else {
-        total = run_every_sample(&technique, in, sink);
+        total = run_every([&](const Points& points, const Visibility& visibility) {
+            return technique.run(triangles, points, light, visibility);
+        });
     }
-    session_of(technique.device()).finish();
-    merge_stages(total);
-    total.total_wall_ms = cl::ms_since(start);
+    finish_samples(device, start, total);
     return total;
 }
 
 Statistics run_samples(Technique& technique, const Triangles& triangles, const View& view, const Light& light,
                        std::uint32_t samples, const Visibility& mean, const SampleSink& sink) {
     return run_samples_in_batches(technique, triangles, view, light, samples, mean, sink, largest_batch);
+}
+
+Statistics run_samples_mean(Technique& technique, const Triangles& triangles, const View& view, const Lights& lights,
+                            std::uint32_t samples, const Visibility& mean, const SampleSink& sink) {
+    const std::span<const SampleOffset> pattern = require_samples(view, samples, mean);
+    const auto start = cl::Clock::now();
+    const auto decide = [&](const Points& points, const Visibility& visibility) {
+        return run_mean(technique, triangles, points, lights, visibility);
+    };
+    Statistics total =
+        run_every_sample(technique.device(), triangles, view, pattern, decide, mean, view.points.count(), sink);
+    finish_samples(technique.device(), start, total);
+    return total;
+}
+
+struct SampleViews::State {
+    Device device;
+    View view;
+    std::span<const SampleOffset> pattern;
+    CameraStage stage;
+    cl::Buffer positions, receivers;
+};
+
+SampleViews::SampleViews(const Device& device, const Triangles& triangles, const View& view, std::uint32_t samples) {
+    const std::span<const SampleOffset> pattern = sample_pattern(samples);
+    require_camera(view);
+    const std::size_t pixels = view.points.count();
+    cl::Session& session = session_of(device);
+    state_ = std::make_unique<State>(State{device, view, pattern, CameraStage(device),
+                                           cl::Buffer(session, pixels * 3 * sizeof(float)),
+                                           cl::Buffer(session, pixels * sizeof(cl_uint))});
+    state_->stage.aim(triangles, view.points.camera()->camera, view.width, view.height, pattern);
+}
+
+SampleViews::~SampleViews() = default;
+
+std::size_t SampleViews::count() const { return state_->pattern.size(); }
+
+View SampleViews::at(std::size_t i) {
+    auto& [device, of, pattern, stage, positions, receivers] = *state_;
+    const std::size_t pixels = of.points.count();
+    View view;
+    view.width = of.width;
+    view.height = of.height;
+    view.offset = pattern[i];
+    view.pixel_share = static_cast<float>(1 / std::sqrt(double(pattern.size())));
+    stage.run(view.offset, of.points.receivers(), {positions.get(), receivers.get(), 0, pixels}, view.statistics);
+    view.points = Points::wrap(device, positions.get(), {0, 1, pixels}, pixels, receivers.get());
+    view.points.set_camera(of.points.camera()->camera, of.width, of.height);
+    return view;
 }
 
 }  // namespace gnomon

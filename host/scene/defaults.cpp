@@ -42,7 +42,7 @@ Bounds bounds_of_finite_triangles(const Scene& scene) {
 
 /// Lines parallel to an axis of the box that do not meet its middle's own planes: fractions of its sides.
 constexpr double line_positions[] = {0.137, 0.319, 0.5071, 0.683, 0.871};
-constexpr double least_backs_outside = 0.5, least_on_box = 0.9;
+constexpr double min_backs_outside = 0.5, min_on_box = 0.9;
 constexpr double box_share = 0.03;  ///< of a side: how near to the bounding box a plain box is
 
 /// What a line along an axis meets: the triangle nearest to the middle on each side, and the outermost on each side.
@@ -129,7 +129,7 @@ bool hides_its_inside(const Scene& scene, const Bounds& bounds, const glm::dvec3
             on_box += std::size_t(line.outer[0] - least < near) + std::size_t(most - line.outer[1] < near);
         }
     }
-    return double(backs) > least_backs_outside * double(seen) || double(on_box) > least_on_box * double(seen);
+    return double(backs) > min_backs_outside * double(seen) || double(on_box) > min_on_box * double(seen);
 }
 
 /// The camera of an interior: above the middle of its floor, near one end of the longer axis and looking along it.

@@ -27,7 +27,7 @@ constexpr const char* extension_name = "KHR_draco_mesh_compression";
 constexpr std::uint64_t bytes_per_face = 256, bytes_per_point = 64;
 
 /// Draco's entropy coder takes next to nothing for a regular mesh, but no real one takes less than 1/64 bit per face.
-std::uint64_t most_elements(std::uint64_t stream_bytes) { return (std::uint64_t(1) << 22) + 512 * stream_bytes; }
+std::uint64_t max_elements(std::uint64_t stream_bytes) { return (std::uint64_t(1) << 22) + 512 * stream_bytes; }
 
 template <class Decoder>
 class Bounded final : public Decoder {
@@ -41,7 +41,7 @@ protected:
         std::uint32_t first = 0, second = 0;
         if (!draco::DecodeVarint(&first, &ahead) || !draco::DecodeVarint(&second, &ahead)) return false;
         const auto left = std::uint64_t(ahead.remaining_size());
-        if (std::max(first, second) > most_elements(left))
+        if (std::max(first, second) > max_elements(left))
             fail(budget_.file, "{} promises {} elements in a Draco stream of {}; export it again", what_,
                  std::max(first, second), counted(left, "byte"));
         constexpr bool is_edgebreaker = std::is_same_v<Decoder, draco::MeshEdgebreakerDecoder>;

@@ -103,7 +103,7 @@ struct MeshoptView {
 /// before it begins.
 struct DecodingBudget {
     const std::filesystem::path& file;
-    std::uint64_t bytes = 0, most_bytes = 0;
+    std::uint64_t bytes = 0, max_bytes = 0;
 
     /// Throws SceneError if `what` does not fit into the rest.
     void charge(const std::string& what, std::uint64_t count, std::uint64_t bytes_each);

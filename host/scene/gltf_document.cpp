@@ -395,9 +395,9 @@ std::size_t find_named(const std::filesystem::path& file, const std::vector<std:
 }
 
 void DecodingBudget::charge(const std::string& what, std::uint64_t count, std::uint64_t bytes_each) {
-    if (bytes_each != 0 && count > (most_bytes - bytes) / bytes_each)
+    if (bytes_each != 0 && count > (max_bytes - bytes) / bytes_each)
         fail(file, "{} unpacks to {} elements of {}, more than the {} MiB of memory that it may take", what, count,
-             counted(bytes_each, "byte"), most_bytes >> 20);
+             counted(bytes_each, "byte"), max_bytes >> 20);
     bytes += count * bytes_each;
 }
 

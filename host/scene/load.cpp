@@ -32,7 +32,7 @@ constexpr Float3 default_base_color{0.8f, 0.8f, 0.8f};
 
 /// An accessor without a bufferView is all zeros and costs a file nothing, whatever its count. The drawn accessors
 /// without a bufferView may have this many elements in all (a real one is a base for sparse values).
-constexpr std::uint64_t most_elements_without_data = std::uint64_t(1) << 24;
+constexpr std::uint64_t max_elements_without_data = std::uint64_t(1) << 24;
 
 enum class Topology { triangles, strip, fan };
 
@@ -652,10 +652,10 @@ private:
             if (is_copied) bytes = plus(bytes, times(accessor.count, is_index ? 4 : element_bytes(accessor)));
             if (accessor.bufferView >= 0) continue;
             without_data = plus(without_data, accessor.count);
-            if (without_data > most_elements_without_data)
+            if (without_data > max_elements_without_data)
                 fail(file_,
                      "{} has a count of {} but no bufferView; accessors without data may have {} elements in all",
-                     accessor_text(index), accessor.count, most_elements_without_data);
+                     accessor_text(index), accessor.count, max_elements_without_data);
         }
         return bytes;
     }

@@ -98,8 +98,8 @@ enum class BlendCasters { opaque, clear, mask };
 
 /// The alpha of an image file in memory, 8 bits each. Throws an exception that says why if it cannot be read.
 using AlphaDecoder = std::function<SceneCutOuts::Texture(std::span<const unsigned char> bytes)>;
-/// The same for colours, where an image that unpacks to more than `most_bytes` cannot be read.
-using ColorDecoder = std::function<ColorImage(std::span<const unsigned char> bytes, std::uint64_t most_bytes)>;
+/// The same for colours, where an image that unpacks to more than `max_bytes` cannot be read.
+using ColorDecoder = std::function<ColorImage(std::span<const unsigned char> bytes, std::uint64_t max_bytes)>;
 
 struct Scene {
     /// 9 per triangle: world space. Morph targets, skins, node transforms and instances are applied in double and

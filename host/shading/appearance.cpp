@@ -129,7 +129,7 @@ std::uint32_t pack_normal(const Float3& normal) {
 }
 
 SurfaceArrays::SurfaceArrays(const Device& device, const SlotArrays& slots, const Materials& from,
-                             const SurfaceDetail& detail, SurfaceTextures* kept, std::uint32_t most_left_out)
+                             const SurfaceDetail& detail, SurfaceTextures* kept, std::uint32_t max_left_out)
     : has_colors(!slots.colors.empty()), has_normals(!slots.normals.empty()) {
     cl::Session& session = session_of(device);
     if (kept) textures = *kept;
@@ -145,7 +145,7 @@ SurfaceArrays::SurfaceArrays(const Device& device, const SlotArrays& slots, cons
     if (!textures.on_device || textures.on_device->keys != keys) {
         textures.on_device.reset();  // its memory is needed
         if (kept) kept->on_device.reset();
-        textures.on_device = std::make_shared<SurfaceTextures::OnDevice>(device, keys, detail.textures, most_left_out);
+        textures.on_device = std::make_shared<SurfaceTextures::OnDevice>(device, keys, detail.textures, max_left_out);
         if (kept) *kept = textures;
     }
     session.upload(materials, materials_of(from, detail, *textures.on_device));

@@ -12,7 +12,7 @@ namespace gnomon {
 namespace {
 
 /// The light that the metered part of the surfaces' pixels does not exceed.
-constexpr double metered_light = 0.8, most_metered_ev = 8;
+constexpr double metered_light = 0.8, max_metered_ev = 8;
 
 }  // namespace
 
@@ -29,7 +29,7 @@ double metered_ev(cl::Session& session, SurfaceBuffers& buffers, std::size_t pix
     const auto meter = session.read_value<Meter>(buffers.meter);
     const double light = std::bit_cast<float>(meter.chosen);
     if (meter.count == 0 || !(light > 0)) return 0;
-    return std::clamp(std::log2(metered_light / light), -most_metered_ev, most_metered_ev);
+    return std::clamp(std::log2(metered_light / light), -max_metered_ev, max_metered_ev);
 }
 
 }  // namespace gnomon

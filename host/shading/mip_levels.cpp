@@ -16,11 +16,11 @@ std::uint32_t side_of_level(std::uint32_t side, std::uint32_t level) { return st
 class LevelMaker {
 public:
     /// Throws OutOfDeviceMemory if there is no room for the lights of a first level of so many texels.
-    LevelMaker(cl::Session& session, std::size_t most_texels)
+    LevelMaker(cl::Session& session, std::size_t max_texels)
         : session_(session),
           tables_(session, sizeof(MipTables)),
-          lights_{cl::Buffer(session, most_texels * sizeof(float4)),
-                  cl::Buffer(session, most_texels / 2 * sizeof(float4))} {
+          lights_{cl::Buffer(session, max_texels * sizeof(float4)),
+                  cl::Buffer(session, max_texels / 2 * sizeof(float4))} {
         const MipTables tables = mip_tables();
         session.write(tables_.get(), &tables, sizeof(tables));
         taps_.reserve(session, 0);
@@ -68,13 +68,13 @@ private:
 }  // namespace
 
 SurfaceTextures::OnDevice::OnDevice(const Device& on, TextureKeys shown, std::span<const ColorTexture> all,
-                                    std::uint32_t most_left_out)
+                                    std::uint32_t max_left_out)
     : device(on), keys(std::move(shown)), sources(sources_of(all)) {
     for (;; ++left_out) try {
             upload(session_of(device), all);
             return;
         } catch (const OutOfDeviceMemory&) {
-            if (left_out == most_left_out) throw;
+            if (left_out == max_left_out) throw;
         }
 }
 
@@ -86,18 +86,18 @@ std::vector<const std::uint8_t*> SurfaceTextures::OnDevice::sources_of(std::span
 
 void SurfaceTextures::OnDevice::upload(cl::Session& session, std::span<const ColorTexture> all) {
     places.clear();
-    std::size_t most_texels = 0;  // of a level that is made
+    std::size_t max_texels = 0;  // of a level that is made
     bytes = 0;
     for (const auto& [which, weighs] : keys) {
         const ColorTexture& from = all[which];
         places.push_back({bytes / 4, side_of_level(from.width, left_out), side_of_level(from.height, left_out)});
         bytes += level_bytes(from.width, from.height, left_out);
-        most_texels = std::max(most_texels, std::size_t(side_of_level(from.width, 1)) * side_of_level(from.height, 1));
+        max_texels = std::max(max_texels, std::size_t(side_of_level(from.width, 1)) * side_of_level(from.height, 1));
     }
     texels.reserve(session, bytes);
     std::optional<LevelMaker> maker;
     if (left_out == 0 && !keys.empty()) try {
-            maker.emplace(session, most_texels);
+            maker.emplace(session, max_texels);
         } catch (const OutOfDeviceMemory&) {  // the host makes them
         }
     // One texture at a time on the host.

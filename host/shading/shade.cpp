@@ -72,31 +72,40 @@ void launch_picture(cl::Session& session, const char* name, const Surfaces::Insi
                    of.buffers->normals, buffers.lambert, ids, colors, albedos, buffers.sky_shares, outputs...);
 }
 
-}  // namespace
-
-double shade_into(cl_mem rgba, const Surfaces& surfaces, std::span<const Visibility> visibilities,
-                  std::span<const Light> lights, const ShadeOptions& options) {
+/// Brings what the kernels of a picture read: the lights' sums, the sky's shares and the exposure.
+PictureParams picture_params(const Surfaces& surfaces, std::span<const Visibility> visibilities,
+                             std::span<const Light> lights, const ShadeOptions& options, double& exposure_ev) {
     const Surfaces::Inside& of = surfaces.inside();
     cl::Session& session = session_of(of.device);
     SurfaceBuffers& buffers = *of.buffers;
     const std::size_t pixels = surfaces.count();
     require_shade(surfaces, visibilities, lights, options);
-    if (bytes_of(rgba) < pixels * 4)
-        throw InvalidArgument("the picture's buffer has fewer than 4 bytes for each pixel of the view");
     add_lights(session, of, visibilities, lights, buffers.lambert);
     PictureParams params{.layout = point_inputs(of.points).layout,
                          .has_albedos = of.has_albedos,
                          .has_sky_shares = bring_sky_shares(session, options, pixels, buffers.sky_shares),
                          .exposure = 1,
-                         .padding = 0};
-    double exposure_ev = options.exposure_ev.value_or(0);
+                         .is_first = 0};
+    exposure_ev = options.exposure_ev.value_or(0);
     if (!options.exposure_ev) {
         buffers.brightest.reserve(session, pixels * sizeof(float));
         launch_picture(session, "brightest_channels", of, params, buffers.brightest);
         exposure_ev = metered_ev(session, buffers, pixels);
     }
     params.exposure = static_cast<float>(std::exp2(exposure_ev));
-    launch_picture(session, "shade", of, params, of.tables->srgb, rgba);
+    return params;
+}
+
+}  // namespace
+
+double shade_into(cl_mem rgba, const Surfaces& surfaces, std::span<const Visibility> visibilities,
+                  std::span<const Light> lights, const ShadeOptions& options) {
+    const Surfaces::Inside& of = surfaces.inside();
+    if (bytes_of(rgba) < surfaces.count() * 4)
+        throw InvalidArgument("the picture's buffer has fewer than 4 bytes for each pixel of the view");
+    double exposure_ev = 0;
+    const PictureParams params = picture_params(surfaces, visibilities, lights, options, exposure_ev);
+    launch_picture(session_of(of.device), "shade", of, params, of.tables->srgb, rgba);
     return exposure_ev;
 }
 
@@ -109,6 +118,50 @@ Picture shade(const Surfaces& surfaces, std::span<const Visibility> visibilities
     made.rgba.resize(surfaces.count() * 4);
     session_of(of.device).read(rgba, made.rgba.data(), made.rgba.size());
     return made;
+}
+
+struct PictureMean::State {
+    Device device;
+    std::size_t pixels;
+    std::uint32_t pictures, added = 0;
+    cl::Buffer sums{}, picture{};
+    std::shared_ptr<const ShadeTables> tables{};
+};
+
+PictureMean::PictureMean(const Device& device, std::size_t pixels, std::uint32_t pictures)
+    : state_(std::make_unique<State>(State{device, pixels, pictures})) {
+    if (pictures == 0) throw InvalidArgument("a mean needs at least one picture");
+    state_->sums.reserve(session_of(device), pixels * sizeof(Float3));
+    state_->picture.reserve(session_of(device), pixels * sizeof(cl_uint));
+}
+
+PictureMean::~PictureMean() = default;
+
+double PictureMean::add(const Surfaces& surfaces, std::span<const Visibility> visibilities,
+                        std::span<const Light> lights, const ShadeOptions& options) {
+    const Surfaces::Inside& of = surfaces.inside();
+    if (surfaces.count() != state_->pixels)
+        throw InvalidArgument("a picture of " + std::to_string(surfaces.count()) + " pixels is not one of " +
+                              std::to_string(state_->pixels));
+    if (state_->added == state_->pictures) throw InvalidArgument("all pictures of the mean were added before");
+    double exposure_ev = 0;
+    PictureParams params = picture_params(surfaces, visibilities, lights, options, exposure_ev);
+    params.is_first = state_->added == 0;
+    launch_picture(session_of(of.device), "shade_add", of, params, state_->sums);
+    state_->tables = of.tables;
+    ++state_->added;
+    return exposure_ev;
+}
+
+std::vector<std::uint8_t> PictureMean::read() const {
+    if (state_->added != state_->pictures)
+        throw InvalidArgument("the mean has " + std::to_string(state_->added) + " of its " +
+                              std::to_string(state_->pictures) + " pictures");
+    cl::Session& session = session_of(state_->device);
+    session.launch("shading/shade.cl", "shade_mean", cl::Range::items(state_->pixels),
+                   PictureMeanParams{.pixels = cl_uint(state_->pixels), .scale = 1.0f / float(state_->pictures)},
+                   state_->sums, state_->tables->srgb, state_->picture);
+    return session.read_values<std::uint8_t>(state_->picture.get(), state_->pixels * 4);
 }
 
 std::vector<std::uint8_t> shade(const Device& device, const Triangles& triangles, const View& view,

@@ -64,14 +64,17 @@ SurfaceParams params_of(const Triangles& triangles, const View& view, const Surf
     params.height = view.height;
     params.has_colors = arrays.has_colors;
     params.has_normals = arrays.has_normals;
+    params.pixel_share = view.pixel_share;
+    constexpr double units = SAMPLE_UNITS;
     const double pixel = 2 * std::tan(camera.fov_y_radians / 2) / view.height;
     for (int i = 0; i < 3; ++i) {
         params.eye[i] = camera.eye[std::size_t(i)];
         const double right = pixel * camera.right[std::size_t(i)], up = pixel * camera.up[std::size_t(i)];
         params.across[i] = static_cast<float>(right);
         params.down[i] = static_cast<float>(-up);
-        params.corner[i] = static_cast<float>(camera.forward[std::size_t(i)] - (view.width - 1) / 2.0 * right +
-                                              (view.height - 1) / 2.0 * up);
+        params.corner[i] = static_cast<float>(camera.forward[std::size_t(i)] +
+                                              (view.offset.x / units - (view.width - 1) / 2.0) * right -
+                                              (view.offset.y / units - (view.height - 1) / 2.0) * up);
     }
     return params;
 }
@@ -121,9 +124,9 @@ Surfaces::Surfaces(const Device& device, const Triangles& triangles, const View&
     const Shown shown = shown_by(session, view.points.receivers(), view.points.count(), triangles.count());
     cl::Buffer slots;
     session.upload(slots, shown.slots);
-    constexpr std::uint32_t most_left_out = 16;
+    constexpr std::uint32_t max_left_out = 16;
     const SurfaceArrays arrays(device, gathered(shown, materials, detail).arrays(), materials, detail, kept,
-                               most_left_out);
+                               max_left_out);
     inside_ = surfaces_of(device, triangles, view, tables, &arrays, slots.get(), buffers);
     session.finish();  // the arrays' memory is free again
 }

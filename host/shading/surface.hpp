@@ -33,7 +33,7 @@ struct SurfaceTextures::OnDevice {
     std::uint32_t left_out = 0;  ///< the finest levels of all textures
 
     /// Leaves out as many levels, up to the most, as it must. Throws OutOfDeviceMemory.
-    OnDevice(const Device& on, TextureKeys shown, std::span<const ColorTexture> all, std::uint32_t most_left_out);
+    OnDevice(const Device& on, TextureKeys shown, std::span<const ColorTexture> all, std::uint32_t max_left_out);
 
     static std::vector<const std::uint8_t*> sources_of(std::span<const ColorTexture> all);
 
@@ -51,7 +51,7 @@ struct SlotArrays {
 /// The same on the device, with the materials: the inputs of the kernel of surfaces.
 struct SurfaceArrays {
     SurfaceArrays(const Device& device, const SlotArrays& slots, const Materials& from, const SurfaceDetail& detail,
-                  SurfaceTextures* kept, std::uint32_t most_left_out);
+                  SurfaceTextures* kept, std::uint32_t max_left_out);
 
     cl::Buffer material, coordinates, colors, normals;
     cl::Buffer materials, linear_of_srgb;

@@ -44,7 +44,7 @@ const SettingsTable<Settings>& settings_table() {
           "way to decide many lights"},
          setting::choice(&S::many_lights, lights_method_names)},
         {{"bundle-lights", "32", "lights that a beam decides together, 1 to 32"},
-         setting::whole(&S::bundle_lights, 1, MOST_BUNDLE_LIGHTS)},
+         setting::whole(&S::bundle_lights, 1, MAX_BUNDLE_LIGHTS)},
     };
     return table;
 }
@@ -64,11 +64,11 @@ public:
     Statistics run_table(const Triangles& triangles, const Points& points, const Lights& lights,
                          const LightsOutputs& outputs, const LightsOptions& options) override {
         const bool is_empty = triangles.count() == 0 || points.count() == 0 || lights.count() == 0;
+        const LightsRun run{device_, triangles, points, lights, outputs, options};
         if (is_empty || settings_.many_lights == LightsMethod::one_by_one ||
-            (settings_.many_lights == LightsMethod::automatic && lights.count() < lights_tuning.min_shared_lights))
+            (settings_.many_lights == LightsMethod::automatic && !LightTables::wants_tree(run)))
             return Technique::run_table(triangles, points, lights, outputs, options);
-        return light_tables_.run(*this, {device_, triangles, points, lights, outputs, options}, settings_.many_lights,
-                                 settings_.bundle_lights);
+        return light_tables_.run(*this, run, settings_.many_lights, settings_.bundle_lights);
     }
 
     Statistics run_fragments(const SampledView& in) override {

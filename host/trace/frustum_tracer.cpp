@@ -138,8 +138,8 @@ void FrustumTracer::run_frame(const FramedInputs& in, cl_uint frame, TracedRun& 
 
 // ---- A run ----------------------------------------------------------------------------------------------------------
 
-// For a directional light on a GPU: the host reads no counters before the frame's end, since a wait there takes as long
-// as a stage. (On a CPU a wait is free, and where no point is open the other stages need not run.)
+// For a directional light: the host reads no counters before the frame's end, since a wait there takes as long as a
+// stage. Where no point is open, the other stages find nothing to do.
 void FrustumTracer::run_one_frame(const FramedInputs& in, TracedRun& run) {
     frames_.start_facing(session_, run.statistics, in, counters_);
     frames_.fit_one(session_, run.statistics, in.light_frame);
@@ -152,8 +152,7 @@ void FrustumTracer::run_one_frame(const FramedInputs& in, TracedRun& run) {
 }
 
 void FrustumTracer::run_frames(const FramedInputs& in, TracedRun& run) {
-    if (frame_count_of(in.light_frame) == 1 && in.triangles.count != 0 && !session_.is_cpu())
-        return run_one_frame(in, run);
+    if (frame_count_of(in.light_frame) == 1 && in.triangles.count != 0) return run_one_frame(in, run);
     frames_.start_facing(session_, run.statistics, in, counters_);
     run.facing = session_.read_value<FrameCounters>(counters_);
     observe(Moment::after_facing, frame_inputs(in, 0, nullptr), run);

@@ -9,12 +9,12 @@
 namespace gnomon {
 namespace {
 
-constexpr std::uint32_t most_runs = 1024;
+constexpr std::uint32_t max_runs = 1024;
 
 // Sorting pays from these on: measured on two cores with 5,000 to a million points and 100 to 1.3 million triangles,
 // where it takes .31 to 1.0 of the time of the given order (docs/performance.md).
-constexpr std::uint32_t least_points = 16384;
-constexpr double least_run_in_bins = 2, least_run_beside_sorted = 2;
+constexpr std::uint32_t min_points = 16384;
+constexpr double min_run_in_bins = 2, min_run_beside_sorted = 2;
 
 bool is_finite(const Rectangle& rectangle) {
     const glm::dvec2 size = rectangle.size();
@@ -49,10 +49,10 @@ std::optional<PointInputs> LightOrder::sort(cl::Session& session, Statistics& st
                                             const LightFrame& light_frame, const PointInputs& points) {
     const std::uint32_t count = points.layout.count;
     const bool is_auto = choice == SortPoints::automatic;
-    if (choice == SortPoints::off || count < (is_auto ? least_points : LIGHT_ORDER_RUN)) return {};
+    if (choice == SortPoints::off || count < (is_auto ? min_points : LIGHT_ORDER_RUN)) return {};
     if (is_auto && !session.is_cpu()) return {};  // not measured on a GPU
     cl::StageTimer timer(session, statistics, "light_order");
-    const std::uint32_t runs = std::min(most_runs, count / LIGHT_ORDER_RUN);
+    const std::uint32_t runs = std::min(max_runs, count / LIGHT_ORDER_RUN);
     LightOrderParams params{
         .points = points.layout,
         .light_frame = light_frame,
@@ -67,7 +67,7 @@ std::optional<PointInputs> LightOrder::sort(cl::Session& session, Statistics& st
     const Sampled found = sampled_from(session.read_values<std::array<float, 4>>(boxes_.get(), runs), light_frame);
     if (!is_finite(found.all) || !(found.all.size().x > 0) || !(found.all.size().y > 0)) return {};
     const double sorted_run_in_bins = std::sqrt(double(LIGHT_ORDER_RUN) / count) * light_frame.bins_x;
-    if (is_auto && !(found.run_in_bins > std::max(least_run_in_bins, least_run_beside_sorted * sorted_run_in_bins)))
+    if (is_auto && !(found.run_in_bins > std::max(min_run_in_bins, min_run_beside_sorted * sorted_run_in_bins)))
         return {};
     for (int axis = 0; axis < 2; ++axis) {
         params.origin[axis] = static_cast<float>(found.all.low[axis]);

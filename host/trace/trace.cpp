@@ -45,10 +45,11 @@ void Trace::run(cl::Session& session, Task task, const TraceInputs& inputs, cons
     TraceParams params = this->params(inputs);
     params.has_block_bounds = task == Task::trace && table != nullptr;
     params.round_points = static_cast<cl_uint>(each * session.work_group_size());
+    const std::size_t blocks = points.layout.count / session.lanes() + 1;
+    const cl::Range range = session.is_cpu() ? cl::Range::shares(blocks) : session.uneven_items(blocks, each);
     const auto launch_with = [&](const auto& last) {
         session.launch(variant(session, task, inputs.light_frame.perspective == 0, inputs.triangles.has_cut_outs),
-                       session.uneven_items(points.layout.count / session.lanes() + 1, each), params,
-                       inputs.projections, points.positions, points.receivers, inputs.triangles.vertices,
+                       range, params, inputs.projections, points.positions, points.receivers, inputs.triangles.vertices,
                        inputs.map != nullptr ? *inputs.map : queue_, lists.ranges, lists.entries, lists.records,
                        lists.bounds, inputs.visibility, queue_, inputs.counters, last);
     };
@@ -59,7 +60,7 @@ void Trace::run(cl::Session& session, Task task, const TraceInputs& inputs, cons
 }
 
 void Trace::decide_queue(cl::Session& session, const TraceInputs& inputs) const {
-    session.launch(inputs.triangles.kernel("trace/exact_trace.cl", "exact_trace"), session.blocks(capacity_),
+    session.launch(inputs.triangles.kernel("trace/exact_trace.cl", "exact_trace"), session.block_shares(capacity_),
                    params(inputs), inputs.points.positions, inputs.triangles.vertices, queue_, inputs.visibility,
                    inputs.counters);
 }

@@ -56,8 +56,10 @@ __kernel void camera_visibility(CameraParams params, __constant const Projection
                                 __global const TriangleRecord* records, __global const TriangleBounds* bounds,
                                 __global const uint2* ranges, __global const BinEntries* entries,
                                 __global const uint* pixel_receivers, __global uint* visible,
-                                __global const FrameCounters* counters) {
+                                __global const FrameCounters* counters GN_SHARES) {
+#if GN_LANES == 1
     if (counters->references == GN_NO_LISTS) return;
+#endif
     Triangles triangles = triangles_of(vertices, params.triangles);
     TileLists lists = {ranges, entries, records, bounds, triangles, rays, params.picture};
     VisibilityWork work = {params, projection, lists, pixel_receivers, visible, GN_NO_ID};
@@ -65,7 +67,9 @@ __kernel void camera_visibility(CameraParams params, __constant const Projection
     __local ListBatch batch;
     find_visible(&work, &batch);
 #else
-    find_visible(item_range(projection->bins_x * projection->bins_y), &work);
+    uint tiles = counters->references == GN_NO_LISTS ? 0u : projection->bins_x * projection->bins_y;
+    find_visible(GN_SHARED_RANGE(tiles), &work);
+    GN_END_SHARES;
 #endif
 }
 
@@ -114,8 +118,8 @@ GN_NOINLINE_ON_CPU void make_points(ItemRange items, CameraParams params, __glob
 // Positions as a structure of arrays: x of all points, then y, then z. Sky: NaN.
 __kernel void camera_points(CameraParams params, __global const float* vertices, __global const float* rays,
                             __global const uint* visible, __global float* positions,
-                            __global const FrameCounters* counters) {
-    if (counters->references == GN_NO_LISTS) return;
+                            __global const FrameCounters* counters GN_SHARES) {
+    bool has_lists = counters->references != GN_NO_LISTS;
 #if GN_LANES > 1 && defined(GN_FP64)
     PointsWork work = {params,
                        eye_of_camera(params),
@@ -126,10 +130,12 @@ __kernel void camera_points(CameraParams params, __global const float* vertices,
                        largest_sizes(params.picture, params.width, params.height)};
     const uint side = 1u << CAMERA_TILE_LOG2;
     uint tiles = ((params.width + side - 1u) >> CAMERA_TILE_LOG2) * ((params.height + side - 1u) >> CAMERA_TILE_LOG2);
-    make_points_of_tiles(item_range(tiles), &work);
+    make_points_of_tiles(GN_SHARED_RANGE(has_lists ? tiles : 0u), &work);
 #else
-    make_points(item_range(params.width * params.height), params, vertices, rays, visible, positions);
+    uint pixels = has_lists ? params.width * params.height : 0u;
+    make_points(GN_SHARED_RANGE(pixels), params, vertices, rays, visible, positions);
 #endif
+    GN_END_SHARES;
 }
 
 static float3 unit_normal(Triangle t, float3 eye) {
@@ -160,8 +166,9 @@ GN_NOINLINE_ON_CPU void make_normals(ItemRange items, CameraParams params, __glo
 
 // Unit geometric normals facing the camera, packed xyz, for the host and for shading. Sky: 0.
 __kernel void camera_normals(CameraParams params, __global const float* vertices, __global const uint* visible,
-                             __global float* normals) {
-    make_normals(item_range(params.width * params.height), params, vertices, visible, normals);
+                             __global float* normals GN_SHARES) {
+    make_normals(GN_SHARED_RANGE(params.width * params.height), params, vertices, visible, normals);
+    GN_END_SHARES;
 }
 
 // ---- Points of a caller ---------------------------------------------------------------------------------------------

@@ -40,13 +40,13 @@
 // pipes' 6.6 ms become 9.6 or 8.2, a city's 3.3 4.1 or 3.8. As a number that kernels compute it costs registers: 8.2
 // and 4.1, too.)
 #define FIRST_LONG_LIST 16384u
-#define LEAST_LONG_LIST 2048u
+#define MIN_LONG_LIST 2048u
 #define LONG_LISTS 256u
 
 // On a GPU there is a slot for an open pair (camera_filter.cl) per this number of pixels. (Sponza: one pair per 200.)
 #define OPEN_PAIRS_EVERY 16u
 #define OPEN_PAIRS_EVERY_WITH_CUT_OUTS 2u
-#define LEAST_OPEN_PAIRS 4096u
+#define MIN_OPEN_PAIRS 4096u
 
 // A chunk of a tile's long list. The chunks of one tile follow one another.
 GN_STRUCT_BEGIN(ListChunk)

@@ -129,7 +129,7 @@ static void check_keys(uint* faults, __global SelfCheckResult* result, uint zero
         uint key = float_to_key(x);
         demand(faults, FAULT_KEYS, key > before && as_uint(key_to_float(key)) == rising[i]);
         before = key;
-        TRIED_MIN(&result->least_key, key);
+        TRIED_MIN(&result->min_key, key);
         atomic_max(&result->greatest_key, key);
     }
 }

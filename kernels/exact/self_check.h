@@ -31,7 +31,7 @@
 // The kernel's result: the faults, and the least and the greatest key over all work-items.
 GN_STRUCT_BEGIN(SelfCheckResult)
     uint faults;
-    uint least_key;
+    uint min_key;
     uint greatest_key;
     uint zero;  // read: 0, which no compiler can know
 GN_STRUCT_END(SelfCheckResult, 16)

@@ -11,7 +11,7 @@
 // the neighbouring one has it. Readers extend what they look up by this and by the rounding of coordinates.
 #define FIELD_SNAP 0x1p-7f
 // Up to this number of half cells along an axis, coordinates in half cells are wrong by less than FIELD_SNAP / 2.
-#define MOST_FIELD_HALVES 16384u
+#define MAX_FIELD_HALVES 16384u
 // The largest coordinate of triangles: differences of coordinates stay within the bounds of rounding.
 #define FIELD_LARGEST_COORDINATE 0x1p19f
 // A triangle over more cells than this is not part of a height field.
@@ -19,7 +19,7 @@
 // A grid has at most this many triangles in a cell, since each point near it tests them one by one, and at most this
 // many entries per triangle, since more would take too much memory.
 #define MAX_TRIANGLES_OF_CELL 128u
-#define MOST_ENTRIES_OF_TRIANGLE 16u
+#define MAX_ENTRIES_OF_TRIANGLE 16u
 // The pyramid's heights are whole numbers of units up to FIELD_UNITS; the triangles' heights are at least FIELD_LOWEST
 // away from either end, so that bounds have room to round.
 #define FIELD_UNITS 65535.0f

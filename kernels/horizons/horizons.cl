@@ -87,7 +87,7 @@ static void meet_stretch(Horizon* horizon, uint g, const FieldBlock* block, __gl
     if (g < sector->near_stretches) closer = lanes & have_lights_between(sector, known, high);
     horizon->high = LANES_SELECT(horizon->high, high, lanes & ~closer);
     if (!LANES_ANY(closer)) return;
-    meet_triangles(horizon, stretch->q * sector->least_major, stretch->end * sector->most_major, block, sector, scene,
+    meet_triangles(horizon, stretch->q * sector->min_major, stretch->end * sector->max_major, block, sector, scene,
                    closer);
 }
 

@@ -24,11 +24,11 @@ GN_STRUCT_BEGIN(HorizonSector)
     float least[2], most[2];         // extent of the strip's coordinates, in half cells, at q = 1
     uint major;                      // the axis of the ground along which the strip goes farther
     int forward;                     // the strip's direction along the major axis, 1 or -1
-    float least_minor, most_minor;   // extent along the other axis, per unit along the major axis
-    float least_major, most_major;   // extent along the major axis, in cells, at q = 1
+    float min_minor, max_minor;      // extent along the other axis, per unit along the major axis
+    float min_major, max_major;      // extent along the major axis, in cells, at q = 1
     uint near_stretches;             // number of first stretches whose triangles may be tested one by one
     uint light_count;
-    float slopes[MOST_BUNDLE_LIGHTS];
+    float slopes[MAX_BUNDLE_LIGHTS];
 GN_STRUCT_END(HorizonSector, 208)
 
 // A part of the strip, from q to `end`; one entry of a level of the pyramid contains it. Steps come in stretches: a

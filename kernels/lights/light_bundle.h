@@ -6,7 +6,7 @@
 
 #include "simd/points.h"
 
-#define MOST_BUNDLE_LIGHTS 32u
+#define MAX_BUNDLE_LIGHTS 32u
 
 // All directions are scaled by powers of two, exactly, so that the largest coordinate of each is between 1/2 and 1. A
 // cone contains the directions of some lights: for each direction D there are s > 0 and u, v in [-1, 1] with s D =
@@ -32,8 +32,8 @@ GN_STRUCT_END(LightAxes, 40)
 #define LIGHT_CONES 63u
 GN_STRUCT_BEGIN(LightBundle)
     LightCone cones[LIGHT_CONES];
-    float directions[3][MOST_BUNDLE_LIGHTS];  // D or S, coordinate by coordinate; 0 past the last light
-    LightAxes axes[MOST_BUNDLE_LIGHTS];
+    float directions[3][MAX_BUNDLE_LIGHTS];  // D or S, coordinate by coordinate; 0 past the last light
+    LightAxes axes[MAX_BUNDLE_LIGHTS];
     uint light_count;
     float ground[3];  // for a sector (horizons/horizons.h) the unit vector of its middle along the ground; else 0
 GN_STRUCT_END(LightBundle, 7728)
@@ -42,7 +42,7 @@ GN_STRUCT_END(LightBundle, 7728)
 // The cone of the smallest part that contains all lights of a mask.
 static __global const LightCone* cone_of(__global const LightBundle* bundle, uint lights) {
     uint part = 0u;
-    for (uint size = MOST_BUNDLE_LIGHTS / 2u, first = 0u; part < LIGHT_CONES / 2u; size /= 2u) {
+    for (uint size = MAX_BUNDLE_LIGHTS / 2u, first = 0u; part < LIGHT_CONES / 2u; size /= 2u) {
         uint low = ((1u << size) - 1u) << first, high = low << size;
         if ((lights & (low | high)) != lights || ((lights & low) != 0u && (lights & high) != 0u)) break;
         part = 2u * part + ((lights & low) != 0u ? 1u : 2u);
@@ -54,7 +54,7 @@ static __global const LightCone* cone_of(__global const LightBundle* bundle, uin
 // Splits `lights` at the level of the cone tree where they first differ; returns the lower half, or 0 if that level
 // stores no cones.
 static uint lower_lights(uint lights) {
-    for (uint size = MOST_BUNDLE_LIGHTS / 2u, first = 0u; size >= 2u * MOST_BUNDLE_LIGHTS / (LIGHT_CONES + 1u);
+    for (uint size = MAX_BUNDLE_LIGHTS / 2u, first = 0u; size >= 2u * MAX_BUNDLE_LIGHTS / (LIGHT_CONES + 1u);
          size /= 2u) {
         uint low = ((1u << size) - 1u) << first;
         if ((lights & low) != 0u && (lights & ~low) != 0u) return lights & low;

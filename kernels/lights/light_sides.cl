@@ -28,7 +28,7 @@ typedef struct SidedPoints {
 } SidedPoints;
 
 // The number of lights in a quarter of a bundle, which has a cone of its own.
-#define LIGHTS_OF_CONE (MOST_BUNDLE_LIGHTS / 4u)
+#define LIGHTS_OF_CONE (MAX_BUNDLE_LIGHTS / 4u)
 #define FIRST_SMALL_CONE 3u
 
 static TriangleBlock gather_triangles(Triangles triangles, LaneInt ids, LaneInt lanes) {

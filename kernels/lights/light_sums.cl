@@ -40,7 +40,7 @@ __kernel void light_sums(const LightSumsParams params, __global const uint* mask
         long sum = 0;
         for (uint b = 0; b < params.bundle_count; ++b) {
             uint mask = masks[b * (size_t)params.mask_stride + i];
-            __global const LightSlot* mine = slots + (params.first_bundle + b) * MOST_BUNDLE_LIGHTS;
+            __global const LightSlot* mine = slots + (params.first_bundle + b) * MAX_BUNDLE_LIGHTS;
             count += popcount(mask);
             if ((params.wants & (WANTS_SUMS | WANTS_COSINES)) == WANTS_SUMS)
                 sum += weighted_sum(mask,

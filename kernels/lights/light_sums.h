@@ -27,7 +27,7 @@ GN_STRUCT_BEGIN(LightSumsParams)
     PointsLayout normals;  // only `first` and the strides are used
 GN_STRUCT_END(LightSumsParams, 88)
 
-// A light of a bundle. Light l of a bundle has the slot MOST_BUNDLE_LIGHTS bundle + l.
+// A light of a bundle. Light l of a bundle has the slot MAX_BUNDLE_LIGHTS bundle + l.
 GN_STRUCT_BEGIN(LightSlot)
     float direction[3];  // the unit vector towards the light, for cosines
     float weight;
@@ -37,4 +37,4 @@ GN_STRUCT_END(LightSlot, 32)
 
 // weight_tables[(4 bundle + b) 256 + m]: the sum of the whole weights of the lights 8 b + i with bit i set in m.
 #define WEIGHT_TABLE 256u
-#define WEIGHT_TABLES (MOST_BUNDLE_LIGHTS / 8u)  // per bundle
+#define WEIGHT_TABLES (MAX_BUNDLE_LIGHTS / 8u)  // per bundle

@@ -97,13 +97,24 @@ __kernel void point_sample(uint count, uint share, __global const uint* order, _
     GN_FOR_EACH(i, count) numbers[i] = order[(i / POINTS_OF_RUN * share) * POINTS_OF_RUN + i % POINTS_OF_RUN];
 }
 
+// Asks for the inputs of a point that is gathered soon: in the sorted order they are strewn over the memory.
+static void prefetch_point(const PointOrderParams params, __global const float* positions,
+                           __global const uint* receivers, __global const float* normals, size_t number) {
+    GN_PREFETCH(positions + params.points.first + number * params.points.point_stride);
+    if (params.points.has_receivers != 0u) GN_PREFETCH(receivers + number);
+    if (params.has_normals != 0u) GN_PREFETCH(normals + params.normals.first + number * params.normals.point_stride);
+}
+#define GATHER_AHEAD 16u
+
 __kernel void point_gather(const PointOrderParams params, __global const float* vertices,
                            __global const float* positions, __global const uint* receivers,
                            __global const float* normals, __global const uint* numbers,
                            __global float* sorted_positions, __global uint* sorted_receivers,
                            __global float* sorted_normals, __global float* surface_normals) {
+    uint last = params.points.count - 1u;
     GN_FOR_EACH(i, params.points.count) {
         uint number = numbers[i];
+        prefetch_point(params, positions, receivers, normals, numbers[min((uint)i + GATHER_AHEAD, last)]);
         float3 p = load_point(positions, params.points, number);
         vstore3(p, i, sorted_positions);
         if (params.points.has_receivers != 0u) sorted_receivers[i] = receivers[number];

@@ -34,7 +34,9 @@ GN_ALIGNED_STRUCT_END(TriangleBounds, BIN_ENTRY_BYTES)
 #define BOUNDS_FOR_MAP 0x8000u  // may cover a whole texel
 #define BOUNDS_MASKED 0x4000u   // of a masked triangle (exact/cut_outs.h)
 
-// A triangle (its record's slot) in a bin, and the pair's index in the bin's list. An unused slot has bin GN_NO_ID.
+// A triangle (its record's slot) in a bin, and the pair's index in the bin's list. An unused slot has bin GN_NO_ID. On
+// a CPU each work-item counts its own pairs, in a row of counts for all bins: the bin is that of the row (bin number +
+// row times the number of bins), and the index that of the bin's pairs in the row.
 GN_STRUCT_BEGIN(Pair)
     uint bin, slot, index;
 GN_STRUCT_END(Pair, 12)
@@ -50,7 +52,8 @@ GN_STRUCT_BEGIN(BinsParams)
     uint pair_capacity;
     uint entry_capacity;  // in BinEntries
     uint has_pyramid;     // 0: the depth excludes no bin
-GN_STRUCT_END(BinsParams, 28)
+    uint count_rows;      // rows of the bins' counts; on a GPU 1
+GN_STRUCT_END(BinsParams, 32)
 
 #ifndef __cplusplus
 
@@ -142,11 +145,11 @@ static uint entries_that_meet(__global const BinEntries* entries, QuantisedBlock
 }
 #else
 // Least values of eights: a transposition halves the work of each step; five separate reductions would not.
-static ushort8 least_eight(int16 v, ushort16 others) {
+static ushort8 min_eight(int16 v, ushort16 others) {
     ushort16 values = convert_ushort16(v) | others;
     return min(values.lo, values.hi);
 }
-static ushort8 least_in_turn(ushort8 a, ushort8 b) {
+static ushort8 min_in_turn(ushort8 a, ushort8 b) {
     ushort8 low = (ushort8)(a.s0, b.s0, a.s1, b.s1, a.s2, b.s2, a.s3, b.s3);
     ushort8 high = (ushort8)(a.s4, b.s4, a.s5, b.s5, a.s6, b.s6, a.s7, b.s7);
     return min(low, high);
@@ -155,11 +158,11 @@ static ushort8 least_in_turn(ushort8 a, ushort8 b) {
 static QuantisedBlock block_of_lanes(LaneInt x0, LaneInt y0, LaneInt x1, LaneInt y1, LaneInt lowest, LaneInt lanes) {
     const LaneInt bits = (LaneInt)(65535);
     ushort16 others = convert_ushort16(~lanes & bits);
-    ushort8 x = least_in_turn(least_eight(x0, others), least_eight(bits - x1, others));
-    ushort8 y = least_in_turn(least_eight(y0, others), least_eight(bits - y1, others));
-    ushort8 z = least_eight(lowest, others);
-    z = least_in_turn(z, z);
-    ushort8 all = least_in_turn(least_in_turn(x, y), least_in_turn(z, z));  // x0 z y0 z, 65535 - x1 and so on
+    ushort8 x = min_in_turn(min_eight(x0, others), min_eight(bits - x1, others));
+    ushort8 y = min_in_turn(min_eight(y0, others), min_eight(bits - y1, others));
+    ushort8 z = min_eight(lowest, others);
+    z = min_in_turn(z, z);
+    ushort8 all = min_in_turn(min_in_turn(x, y), min_in_turn(z, z));  // x0 z y0 z, 65535 - x1 and so on
     return (QuantisedBlock){all.s0, all.s2, (ushort)(65535 - all.s4), (ushort)(65535 - all.s6), all.s1};
 }
 

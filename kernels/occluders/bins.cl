@@ -3,36 +3,12 @@
 // and, with a bin for each 16 x 16 pixels, the camera.
 //
 // A triangle enters a bin's list if it survives the cull there (bin_overlap.clh). Each pair of triangle and bin is
-// found once: bins_pairs stores it with its index in the bin's list (on a CPU triangle_tiles finds most pairs before,
-// while it has the records). bins_ranges gives each bin its range of the entries (in any order, but contiguous).
+// found once: bins_pairs stores it with its index in the bin's list (on a CPU triangle_tiles does so, while it has the
+// records). bins_ranges gives each bin its range of the entries (in any order, but contiguous).
 // bins_scatter writes the entry there. On a GPU bins_order then puts the highest triangles of each run of a list first.
 #include "occluders/tile_bins.clh"
 
-#ifdef GN_CPU
-// The number of tiles by which a record is fetched ahead: in large scenes the wait for records takes the most time.
-#define TILES_AHEAD 12u
-
-// Appends the pairs of the item's tiles, and marks the slots that were reserved but not used.
-GN_NOINLINE_ON_CPU void append_pairs(ItemRange items, PairList* list, uint tile_count,
-                                     __global const TriangleRecord* records, __global const uint2* tiles) {
-    GN_FOR_EACH_OF(i, items) {
-        uint2 tile = tiles[i], ahead = tiles[min((uint)i + TILES_AHEAD, tile_count - 1u)];
-        if (ahead.x != GN_NO_ID) GN_PREFETCH(&records[ahead.x]);
-        if (tile.x == GN_NO_ID) continue;
-        uint4 bins = bins_of_tile(tile.y);
-        // A tile of one bin survived the cull as a tile: it needs no record.
-        if (bins.x == bins.z && bins.y == bins.w) {
-            append_pair(list, tile.x, bin_index(list->projection, bins.x, bins.y));
-            continue;
-        }
-        RecordBlock record;
-        spread_record(&records[tile.x], &record);
-        append_bins(list, tile.x, &record, bins);
-    }
-    close_pairs(list);
-}
-#endif
-
+#if GN_LANES == 1
 __kernel void bins_pairs(BinsParams params, __constant const Projection* projection,
                          __global const TriangleRecord* records, __global const uint2* tiles,
                          __global const uint* pyramid, __global uint* counts, __global Pair* pairs,
@@ -40,11 +16,6 @@ __kernel void bins_pairs(BinsParams params, __constant const Projection* project
                          __local uint2* group_pairs) {
     __local uint sum;
     uint tile_count = min(counters->tiles, params.tile_capacity);
-#ifdef GN_CPU
-    PairList list = {projection, pyramid, counts, pairs, &counters->pairs, params.has_pyramid, params.pair_capacity};
-    append_pairs(item_range(tile_count), &list, tile_count, records, tiles);
-    uint found = list.found;
-#else
     uint found = 0;
     __local uint reserved[GROUP_APPEND_WORDS];
     uint item = (uint)get_local_id(0), items = (uint)get_local_size(0);
@@ -72,7 +43,8 @@ __kernel void bins_pairs(BinsParams params, __constant const Projection* project
             uint at = reserve_for_group(count, reserved, &counters->pairs);
             if (item == 0u) reserved[0] = 0u;
             for (uint i = item; i < count; i += items) {
-                Pair pair = make_pair(group_pairs[i].x, group_pairs[i].y, counts);
+                uint bin = group_pairs[i].x;
+                Pair pair = {bin, group_pairs[i].y, atomic_inc(&counts[bin])};
                 if (at + i < params.pair_capacity) pairs[at + i] = pair;
                 ++found;
             }
@@ -80,9 +52,9 @@ __kernel void bins_pairs(BinsParams params, __constant const Projection* project
         }
         barrier(CLK_LOCAL_MEM_FENCE);
     }
-#endif
     add_in_group(found, &sum, &counters->references);
 }
+#endif
 
 // Bins that one work-item takes at a time.
 #ifdef GN_CPU
@@ -91,7 +63,39 @@ __kernel void bins_pairs(BinsParams params, __constant const Projection* project
 #define RANGES_RUN 1u
 #endif
 
-__kernel void bins_ranges(BinsParams params, __global const uint* counts, __global uint2* ranges,
+#ifdef GN_CPU
+// Makes each count of some bins the number of the bin's pairs in the rows before; returns the bins' entries together,
+// and leaves the sums of their counts in `ranges`.
+GN_NOINLINE_ON_CPU uint sum_rows(BinsParams params, uint first_bin, uint last_bin, __global uint* counts,
+                                 __global uint2* ranges) {
+    uint sums[RANGES_RUN], all = 0;
+    for (uint i = 0; i < RANGES_RUN; ++i) sums[i] = 0u;
+    for (uint row = 0; row < params.count_rows; ++row) {
+        __global uint* of_row = counts + (size_t)row * params.bin_count;
+        for (uint bin = first_bin; bin < last_bin; ++bin) {
+            uint count = of_row[bin];
+            of_row[bin] = sums[bin - first_bin];
+            sums[bin - first_bin] += count;
+        }
+    }
+    for (uint bin = first_bin; bin < last_bin; ++bin) {
+        ranges[bin].x = sums[bin - first_bin];
+        all += (sums[bin - first_bin] + GN_LANES - 1u) / GN_LANES;
+    }
+    return all;
+}
+
+// Adds each bin's first place to its rows' counts: a pair's place is its row's count plus its index.
+GN_NOINLINE_ON_CPU void add_first_places(BinsParams params, uint first_bin, uint last_bin, __global uint* counts,
+                                         __global const uint2* ranges) {
+    for (uint row = 0; row < params.count_rows; ++row) {
+        __global uint* of_row = counts + (size_t)row * params.bin_count;
+        for (uint bin = first_bin; bin < last_bin; ++bin) of_row[bin] += ranges[bin].x * GN_LANES;
+    }
+}
+#endif
+
+__kernel void bins_ranges(BinsParams params, __global uint* counts, __global uint2* ranges,
                           __global BinEntries* entries, __global FrameCounters* counters, __local uint* ends,
                           __local uint* group_first) {
     uint bin_count = params.bin_count;
@@ -99,23 +103,32 @@ __kernel void bins_ranges(BinsParams params, __global const uint* counts, __glob
     for (uint base = (uint)get_group_id(0) * items * RANGES_RUN; base < bin_count;
          base += (uint)get_num_groups(0) * items * RANGES_RUN) {
         uint first_bin = base + item * RANGES_RUN, last_bin = min(first_bin + RANGES_RUN, bin_count), mine = 0;
-        for (uint bin = first_bin; bin < last_bin; ++bin) mine += (counts[bin] + GN_LANES - 1u) / GN_LANES;
+#ifdef GN_CPU
+        mine = sum_rows(params, first_bin, last_bin, counts, ranges);
+#define COUNT_OF_BIN ranges[bin].x
+#else
+        for (uint bin = first_bin; bin < last_bin; ++bin) mine += counts[bin];
+#define COUNT_OF_BIN counts[bin]
+#endif
         scan_group(mine, ends);
         if (item == items - 1u) *group_first = ends[item] == 0u ? 0u : atomic_add(&counters->entries, ends[item]);
         barrier(CLK_LOCAL_MEM_FENCE);
         uint next = *group_first + ends[item] - mine;
         for (uint bin = first_bin; bin < last_bin; ++bin) {
-            uint end = next + (counts[bin] + GN_LANES - 1u) / GN_LANES;
+            uint count = COUNT_OF_BIN, end = next + (count + GN_LANES - 1u) / GN_LANES;
             ranges[bin] = (uint2)(next, end);
 #if GN_LANES > 1
             // The last BinEntries is not full: all its lanes start unused, and bins_scatter fills the front ones.
-            if (counts[bin] % GN_LANES != 0u && end <= params.entry_capacity) {
+            if (count % GN_LANES != 0u && end <= params.entry_capacity) {
                 entries[end - 1u].x0 = (LaneUshort)(65535);
                 entries[end - 1u].x1 = (LaneUshort)(0);
             }
 #endif
             next = end;
         }
+#ifdef GN_CPU
+        add_first_places(params, first_bin, last_bin, counts, ranges);
+#endif
         barrier(CLK_LOCAL_MEM_FENCE);
     }
 }
@@ -135,25 +148,24 @@ static uint packed_run(uint index, uint count) {
 }
 #endif
 
-__kernel void bins_scatter(BinsParams params, __global const Pair* pairs, __global const uint2* ranges,
-                           __global const TriangleBounds* bounds, __global BinEntries* entries,
-                           __global FrameCounters* counters) {
-    if (!all_fits(params, counters)) {
-        if (get_global_id(0) == 0) counters->references = GN_NO_LISTS;
-        return;
-    }
-    GN_FOR_EACH(i, counters->pairs) {
+__kernel void bins_scatter(BinsParams params, __global const Pair* pairs, __global const uint* counts,
+                           __global const uint2* ranges, __global const TriangleBounds* bounds,
+                           __global BinEntries* entries, __global FrameCounters* counters GN_SHARES) {
+    bool fits = all_fits(params, counters);
+    if (!fits && get_global_id(0) == 0) counters->references = GN_NO_LISTS;
+    GN_FOR_EACH_OF(i, GN_SHARED_RANGE(fits ? counters->pairs : 0u)) {
         Pair pair = pairs[i];
         if (pair.bin == GN_NO_ID) continue;
-        uint2 range = ranges[pair.bin];
-        __global BinEntries* at = &entries[range.x + pair.index / GN_LANES];
 #if GN_LANES == 1
+        uint2 range = ranges[pair.bin];
+        __global BinEntries* at = &entries[range.x + pair.index];
         uint4 of = ((__global const uint4*)bounds)[pair.slot];
         uint run = packed_run(pair.index, range.y - range.x);
         *(__global uint4*)at = (uint4)(of.xy, (of.z & 0xFFFFu) | run << 16, pair.slot);  // one store
 #else
         TriangleBounds of = bounds[pair.slot];
-        uint lane = pair.index % GN_LANES;
+        uint place = counts[pair.bin] + pair.index, lane = place % GN_LANES;
+        __global BinEntries* at = &entries[place / GN_LANES];
         ENTRY_LANE(at, x0, lane) = of.x0;
         ENTRY_LANE(at, y0, lane) = of.y0;
         ENTRY_LANE(at, x1, lane) = of.x1;
@@ -162,6 +174,7 @@ __kernel void bins_scatter(BinsParams params, __global const Pair* pairs, __glob
         ((__global uint*)&at->slot)[lane] = pair.slot;
 #endif
     }
+    GN_END_SHARES;
 }
 
 #if GN_LANES == 1

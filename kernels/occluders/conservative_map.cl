@@ -95,11 +95,12 @@ GN_NOINLINE_ON_CPU uint draw_tiles(ItemRange items, __constant const Projection*
 __kernel void conservative_map_draw(ConservativeMapParams params, __constant const Projection* projection,
                                     __global const TriangleRecord* records, __global const uint2* tiles,
                                     __global const uint* pyramid, volatile __global uint* map,
-                                    __global FrameCounters* counters, __local uint* ends, __local uint2* group_tiles) {
+                                    __global FrameCounters* counters, __local uint* ends,
+                                    __local uint2* group_tiles GN_SHARES) {
     __local uint sum;
     uint count = min(counters->map_tiles, params.tile_capacity), written = 0;
 #ifdef GN_CPU
-    written = draw_tiles(item_range(count), projection, params.circle_cover, records, tiles, map);
+    written = draw_tiles(GN_SHARED_RANGE(count), projection, params.circle_cover, records, tiles, map);
 #else
     uint item = (uint)get_local_id(0), items = (uint)get_local_size(0);
     TileGroup group = {group_tiles, ends};
@@ -116,6 +117,7 @@ __kernel void conservative_map_draw(ConservativeMapParams params, __constant con
     }
 #endif
     add_in_group(written, &sum, &counters->map_texels);
+    GN_END_SHARES;
 }
 
 // One work-item decides before the drawing whether a map is worth its cost: a map decides neighbouring points at once,

@@ -193,9 +193,9 @@ static void append_block(BoundsWork* work, uint block) {
 
 // A CPU takes GN_LANES clusters at a time: the listed clusters, or (if no clusters are kept) the clusters with boxes,
 // made on the way, that survive the cull. A box around triangles takes a small part of the time that bounding them one
-// by one does; where it drops fewer than one in LEAST_DROPPED clusters, the next groups skip the box.
+// by one does; where it drops fewer than one in MIN_DROPPED clusters, the next groups skip the box.
 #define BLOCKS_OF_CLUSTER (CLUSTER_TRIANGLES / GN_LANES)
-#define LEAST_DROPPED 4u
+#define MIN_DROPPED 4u
 #define GROUPS_WITHOUT_BOXES 3u
 
 typedef struct ClusterGroup {
@@ -222,12 +222,11 @@ GN_NOINLINE_ON_CPU void cull_by_boxes(BoundsWork* work, uint first, uint count, 
     }
 }
 
-// A work-item takes every `step`th group of clusters: dropped clusters are neighbours in most views, and items with
-// neighbouring groups would differ in time. At its end the item marks its reserved but unused slots.
+// At its end the item marks its reserved but unused slots.
 GN_NOINLINE_ON_CPU void bound_clusters(ItemRange items, uint cluster_count, __global const uint* clusters,
                                        BoundsWork* work) {
     uint without_boxes = 0, capacity = work->params.capacity;
-    for (size_t i = items.first; i < items.end; i += items.step) {
+    GN_FOR_EACH_OF(i, items) {
         uint first = (uint)i * GN_LANES;
         ClusterGroup group;
         group.count = min(cluster_count - first, (uint)GN_LANES);
@@ -238,7 +237,7 @@ GN_NOINLINE_ON_CPU void bound_clusters(ItemRange items, uint cluster_count, __gl
         } else {
             uint count = group.count;
             cull_by_boxes(work, first, count, &group);
-            if ((count - group.count) * LEAST_DROPPED < count) without_boxes = GROUPS_WITHOUT_BOXES;
+            if ((count - group.count) * MIN_DROPPED < count) without_boxes = GROUPS_WITHOUT_BOXES;
         }
         for (uint k = 0; k < group.count * BLOCKS_OF_CLUSTER; ++k)
             append_block(work, group.clusters[k / BLOCKS_OF_CLUSTER] * BLOCKS_OF_CLUSTER + k % BLOCKS_OF_CLUSTER);
@@ -255,7 +254,8 @@ GN_NOINLINE_ON_CPU void bound_clusters(ItemRange items, uint cluster_count, __gl
 __kernel void triangle_bounds(TriangleSetupParams params, __constant const Projection* projection,
                               __global const float* vertices, __global const uint* clusters,
                               __global const uint* pyramid, __global TriangleBounds* bounds,
-                              __global uint* map_candidates, __global FrameCounters* counters, __local uint4* found) {
+                              __global uint* map_candidates, __global FrameCounters* counters,
+                              __local uint4* found GN_SHARES) {
     __local uint sum;
     vertices += params.triangles.first_float;
 #ifdef GN_CPU
@@ -264,8 +264,7 @@ __kernel void triangle_bounds(TriangleSetupParams params, __constant const Proje
     if (params.has_clusters) cluster_count = counters->clusters_listed;
     if (projection->active_points == 0u) cluster_count = 0u;
     BoundsWork work = {params, projection, vertices, pyramid, bounds, map_candidates, counters};
-    ItemRange items = {get_global_id(0), (cluster_count + GN_LANES - 1u) / GN_LANES, get_global_size(0)};
-    bound_clusters(items, cluster_count, clusters, &work);
+    bound_clusters(GN_SHARED_RANGE((cluster_count + GN_LANES - 1u) / GN_LANES), cluster_count, clusters, &work);
     BoundsCounts counts = work.counts;
     // No count is added beyond `enough`, by this item or to a sum that has reached `enough`, so that no sum overflows.
     uint enough = texels_worth_a_map(projection->width, projection->height);
@@ -309,4 +308,5 @@ __kernel void triangle_bounds(TriangleSetupParams params, __constant const Proje
     add_in_group(counts.candidates, &sum, &counters->map_candidates);
     add_in_group(not_finite, &sum, &counters->not_finite);
     add_in_group(outside, &sum, &counters->outside);
+    GN_END_SHARES;
 }

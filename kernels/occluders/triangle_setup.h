@@ -34,7 +34,7 @@ GN_STRUCT_BEGIN(TriangleSetupParams)
     uint has_numbers;   // 1: clusters have an order of their own, and `numbers` has the triangle at each position
     uint has_pyramid;   // 0: the depth drops no triangle
     uint for_map;       // 1: tiles of the map's candidates; 0: tiles of all triangles, for the lists
-    uint lists_pairs;   // 1: a CPU appends the pairs of small triangles at once
+    uint count_rows;    // not 0: a CPU appends pairs in place of tiles, and counts them in so many rows (Pair)
     // A camera's samples, in both coordinates of every pixel at first_sample + k / samples_per_pixel (a power of two):
     // a triangle with bounds that contain no sample is dropped. 0: the points may lie anywhere.
     uint samples_per_pixel;

@@ -5,9 +5,9 @@
 // contract they never block), and cuts the bins of each triangle into tiles. Later stages walk tiles, not triangles:
 // all tiles are of about the same size.
 //
-// A CPU's work-item takes its triangles in their order and appends the tiles that survive the cull; with `lists_pairs`
-// the bins of small triangles become pairs at once. A GPU's work-group shares out the tiles of its triangles evenly,
-// since one triangle may have thousands; the stages that walk the list cull its tiles (tile_bins.clh).
+// A CPU's work-item takes its triangles in their order and appends the tiles that survive the cull, or with
+// `count_rows` the pairs that their bins make. A GPU's work-group shares out the tiles of its triangles evenly, since
+// one triangle may have thousands; the stages that walk the list cull its tiles (tile_bins.clh).
 #include "occluders/eye_records.clh"
 #include "occluders/tile_bins.clh"
 
@@ -34,7 +34,7 @@ typedef struct TileWork {
     uint hidden, edge_on, exact;
 #ifdef GN_CPU
     Reservation slots;  // in `tiles`
-    PairList pairs;     // with `lists_pairs`: pairs of small triangles, which then have no tiles
+    PairList pairs;     // with `count_rows`, in place of tiles
 #endif
 } TileWork;
 
@@ -152,11 +152,23 @@ static void append_tile(TileWork* work, uint slot, uint tile) {
     if (at < work->params.tile_capacity) work->tiles[at] = (uint2)(slot, tile);
 }
 
-static void append_surviving_tile(TileWork* work, uint slot, uint4 bins, uint i) {
-    uint tile = tile_of_bins(bins, i);
+// Appends the tiles of a triangle that survive the cull; with `count_rows`, their pairs.
+static void append_surviving_tiles(TileWork* work, uint slot, uint4 bins) {
     TriangleRecord record = work->records[slot];
-    if (survives_cull(&record, work->projection, bins_of_tile(tile), work->params.has_pyramid, work->pyramid))
-        append_tile(work, slot, tile);
+    RecordBlock in_lanes;
+    if (work->params.count_rows) spread_record(&work->records[slot], &in_lanes);
+    uint tile_count = tile_count_of(bins);
+    for (uint i = 0; i < tile_count; ++i) {
+        uint tile = tile_of_bins(bins, i);
+        uint4 bins_of = bins_of_tile(tile);
+        if (tile_count > 1u &&
+            !survives_cull(&record, work->projection, bins_of, work->params.has_pyramid, work->pyramid))
+            continue;
+        if (work->params.count_rows)
+            append_bins(&work->pairs, slot, &in_lanes, bins_of);
+        else
+            append_tile(work, slot, tile);
+    }
 }
 
 // Most triangles are in four bins at most: 2 x 2 bins of GN_LANES triangles are culled at once, while their records are
@@ -201,20 +213,38 @@ GN_NOINLINE_ON_CPU void append_batch(TileWork* work, RecordBatch* batch) {
     RecordBlock records;
     LaneInt kept = make_batch_records(work, batch, &records), listed = (LaneInt)(0);
     // Before the records are stored: an atomic of a CPU waits for all stores before it.
-    if (work->params.lists_pairs) listed = append_batch_pairs(work, batch, &records, kept);
+    if (work->params.count_rows) listed = append_batch_pairs(work, batch, &records, kept);
     LaneInt wanted = store_batch(work, batch, &records, kept) & ~listed;
     if (!LANES_ANY(wanted)) batch->count = 0;
     for (uint lane = 0; lane < batch->count; ++lane) {
         if (!LANE_OF_INT(wanted, lane)) continue;
-        uint slot = batch->slots[lane];
-        uint4 bins = lane_bins(&batch->bins, lane);
-        uint tile_count = tile_count_of(bins);
-        if (tile_count == 1u)
-            append_tile(work, slot, tile_of_bins(bins, 0));
-        else
-            for (uint tile = 0; tile < tile_count; ++tile) append_surviving_tile(work, slot, bins, tile);
+        append_surviving_tiles(work, batch->slots[lane], lane_bins(&batch->bins, lane));
     }
     batch->count = 0;
+}
+
+GN_NOINLINE_ON_CPU void clear_row(__global uint* counts, uint count) {
+    for (uint i = 0; i < count; ++i) counts[i] = 0u;
+}
+
+// The item's list of pairs. Where each item has a row of counts, it clears its own (and so all rows are cleared).
+GN_INLINE PairList started_pairs(TriangleSetupParams params, __constant const Projection* projection,
+                                 __global const uint* pyramid, __global uint* bin_counts, __global Pair* pairs,
+                                 __global FrameCounters* counters) {
+    uint bin_count = projection->bins_x * projection->bins_y, item = (uint)get_global_id(0);
+    bool shares_row = params.count_rows < get_global_size(0);
+    PairList list = {projection,
+                     pyramid,
+                     bin_counts,
+                     pairs,
+                     &counters->pairs,
+                     params.has_pyramid,
+                     params.pair_capacity,
+                     shares_row ? 0u : item * bin_count,
+                     shares_row};
+    for (uint row = item; !shares_row && row < params.count_rows; row += (uint)get_global_size(0))
+        clear_row(bin_counts + (size_t)row * bin_count, bin_count);
+    return list;
 }
 
 GN_NOINLINE_ON_CPU void append_tiles(ItemRange items, TileWork* work, uint count) {
@@ -242,7 +272,7 @@ __kernel void triangle_tiles(TriangleSetupParams params, __constant const Projec
                              __global const float* vertices, __global const uint* selection,
                              __global const uint* pyramid, __global TriangleBounds* bounds,
                              __global TriangleRecord* records, __global uint2* tiles, __global uint* bin_counts,
-                             __global Pair* pairs, __global FrameCounters* counters, __local uint4* ranges) {
+                             __global Pair* pairs, __global FrameCounters* counters, __local uint4* ranges GN_SHARES) {
     __local uint sum;
     Triangles triangles = triangles_of(vertices, params.triangles);
     TileWork work = {params, projection, triangles, selection, pyramid, bounds, records, tiles};
@@ -250,10 +280,8 @@ __kernel void triangle_tiles(TriangleSetupParams params, __constant const Projec
     uint count = min(params.for_map ? counters->map_slots : counters->slots, params.capacity);
     if (params.for_map && projection->map_disabled) count = 0;
 #ifdef GN_CPU
-    PairList list = {projection,          pyramid, bin_counts, pairs, &counters->pairs, params.has_pyramid,
-                     params.pair_capacity};
-    work.pairs = list;
-    append_tiles(item_range((count + GN_LANES - 1u) / GN_LANES), &work, count);
+    work.pairs = started_pairs(params, projection, pyramid, bin_counts, pairs, counters);
+    append_tiles(GN_SHARED_RANGE((count + GN_LANES - 1u) / GN_LANES), &work, count);
     add_in_group(work.pairs.found, &sum, &counters->references);
 #else
     __local uint reserved[GROUP_APPEND_WORDS];
@@ -293,4 +321,5 @@ __kernel void triangle_tiles(TriangleSetupParams params, __constant const Projec
     add_in_group(work.edge_on, &sum, &counters->edge_on);
     add_in_group(work.exact, &sum, &counters->setup_exact);
     add_in_group(work.hidden, &sum, params.for_map ? &counters->map_hidden : &counters->hidden);
+    GN_END_SHARES;
 }

@@ -78,8 +78,8 @@ typedef struct SearchLists {
 } SearchLists;
 
 // A triangle that takes an item more bins or tests than this does not count as unshadowed.
-#define SEARCH_MOST_BINS 128u
-#define SEARCH_MOST_TESTS 64u
+#define SEARCH_MAX_BINS 128u
+#define SEARCH_MAX_TESTS 64u
 
 // The number of triangles that an item has tested, and the last few of them, which neighbouring bins mostly share.
 typedef struct SearchTests {
@@ -105,7 +105,7 @@ static bool any_may_shadow(const SearchLists* lists, uint bin, const SearchedTri
             uint other = lists->bounds[ENTRY_SLOT(&lists->entries[i], take_lowest_bit(&meeting))].id;
             if (other == searched->id || any(tests->last == other)) continue;
             Triangle t = load_triangle(lists->vertices, other);
-            if (++tests->count > SEARCH_MOST_TESTS) return true;
+            if (++tests->count > SEARCH_MAX_TESTS) return true;
             if (may_shadow(&t, &searched->receiver, searched->side, searched->towards_light)) return true;
             tests->last = (uint4)(other, tests->last.xyz);
         }
@@ -148,7 +148,7 @@ __kernel void unshadowed_triangles(const PreparedParams params, __constant const
         searched.side = certain_side(&searched.receiver, searched.towards_light);
         SearchTests tests = {0u, (uint4)(own.id)};
         volatile __global uint* word = &unshadowed[own.id / UNSHADOWED_WORD_BITS];
-        bool shadowed = searched.side == 0 || each > SEARCH_MOST_BINS;
+        bool shadowed = searched.side == 0 || each > SEARCH_MAX_BINS;
         for (uint b = member * each; b < end && !shadowed; ++b) {
             if ((GN_RELAXED_LOAD(word) & unshadowed_bit(own.id)) == 0u) break;  // another member found it shadowed
             uint4 bin = bin_of_rectangle(bins, b);

@@ -20,7 +20,7 @@ GN_STRUCT_END(BlockBounds, 32)
 
 #ifndef __cplusplus
 
-static float8 least_of_two(float8 a, float8 b) { return select(b, a, a < b); }
+static float8 min_of_two(float8 a, float8 b) { return select(b, a, a < b); }
 
 // The spans of points in the order of BlockBounds; the last two components are undefined.
 #if GN_LANES == 1
@@ -30,28 +30,25 @@ static float8 span_of_lanes(PointBlock low, PointBlock high, LaneInt lanes) {
 }
 #else
 // Minima of eight values each: a transposition halves the work of each step; eight separate reductions would not.
-static float8 least_of_pairs(float8 a, float8 b) {
+static float8 min_of_pairs(float8 a, float8 b) {
     float8 low = (float8)(a.s0, b.s0, a.s1, b.s1, a.s4, b.s4, a.s5, b.s5);
     float8 high = (float8)(a.s2, b.s2, a.s3, b.s3, a.s6, b.s6, a.s7, b.s7);
-    return least_of_two(low, high);  // a b a b, twice
+    return min_of_two(low, high);  // a b a b, twice
 }
-static float8 least_of_fours(float8 ab, float8 cd) {
+static float8 min_of_fours(float8 ab, float8 cd) {
     float8 low = (float8)(ab.s01, cd.s01, ab.s45, cd.s45), high = (float8)(ab.s23, cd.s23, ab.s67, cd.s67);
-    return least_of_two(low, high);  // a b c d, twice
+    return min_of_two(low, high);  // a b c d, twice
 }
-static float8 least_half(float16 v) { return least_of_two(v.lo, v.hi); }
+static float8 min_half(float16 v) { return min_of_two(v.lo, v.hi); }
 
 static float8 span_of_lanes(PointBlock low, PointBlock high, LaneInt lanes) {
     LaneFloat none = (LaneFloat)(INFINITY);
-    float8 x =
-        least_of_pairs(least_half(LANES_SELECT(none, low.x, lanes)), least_half(LANES_SELECT(none, -high.x, lanes)));
-    float8 y =
-        least_of_pairs(least_half(LANES_SELECT(none, low.y, lanes)), least_half(LANES_SELECT(none, -high.y, lanes)));
-    float8 z =
-        least_of_pairs(least_half(LANES_SELECT(none, low.z, lanes)), least_half(LANES_SELECT(none, -high.z, lanes)));
-    float8 xy = least_of_fours(x, y), zz = least_of_fours(z, z);
+    float8 x = min_of_pairs(min_half(LANES_SELECT(none, low.x, lanes)), min_half(LANES_SELECT(none, -high.x, lanes)));
+    float8 y = min_of_pairs(min_half(LANES_SELECT(none, low.y, lanes)), min_half(LANES_SELECT(none, -high.y, lanes)));
+    float8 z = min_of_pairs(min_half(LANES_SELECT(none, low.z, lanes)), min_half(LANES_SELECT(none, -high.z, lanes)));
+    float8 xy = min_of_fours(x, y), zz = min_of_fours(z, z);
     float8 low_halves = (float8)(xy.lo, zz.lo), high_halves = (float8)(xy.hi, zz.hi);
-    return least_of_two(low_halves, high_halves);
+    return min_of_two(low_halves, high_halves);
 }
 #endif
 

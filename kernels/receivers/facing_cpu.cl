@@ -44,7 +44,7 @@ GN_NOINLINE_ON_CPU void face_picture_directional(FacingParams params, const Faci
         PointBlock values = {points.x - frame.shear_x * points.z, points.y - frame.shear_y * points.z,
                              points.z * frame.sign_z};
         float8 span = span_of_lanes(values, values, open);
-        all.bounds.span = least_of_two(span, all.bounds.span);
+        all.bounds.span = min_of_two(span, all.bounds.span);
         all.bounds.minus_count += open;
         span.s6 = as_float(0u);
         span.s7 = as_float(LANES_ANY(~open) ? 0u : BLOCK_ALL_OPEN);

@@ -89,17 +89,46 @@ GN_NOINLINE_ON_CPU void lower_points(ReceiverDepthParams params, __constant cons
     }
 }
 
+// A cell of the level above: the minimum of up to 2 x 2 cells of this one.
+static uint least_of_square(__global const uint* below, uint width, uint height, uint x, uint y) {
+    uint x1 = min(2u * x + 1u, width - 1u), y1 = min(2u * y + 1u, height - 1u);
+    return min(min(below[2u * y * width + 2u * x], below[2u * y * width + x1]),
+               min(below[y1 * width + 2u * x], below[y1 * width + x1]));
+}
+
+#ifdef GN_CPU
+// All levels above the bins. One item makes them: a launch takes a CPU longer than these few cells do.
+GN_NOINLINE_ON_CPU void reduce_bins(uint frame_count, uint width, uint height, __global uint* pyramid) {
+    for (__global uint* below = pyramid; width > 1u || height > 1u;) {
+        uint half_width = (width + 1u) / 2u, half_height = (height + 1u) / 2u;
+        __global uint* above = below + (size_t)frame_count * width * height;
+        for (uint frame = 0; frame < frame_count; ++frame)
+            for (uint y = 0; y < half_height; ++y)
+                for (uint x = 0; x < half_width; ++x)
+                    above[(frame * half_height + y) * half_width + x] =
+                        least_of_square(below + (size_t)frame * width * height, width, height, x, y);
+        below = above;
+        width = half_width;
+        height = half_height;
+    }
+}
+#endif
+
 __kernel void receiver_depth_pyramid(ReceiverDepthParams params, __constant const Projection* projections,
                                      __global const float* positions, __global const float* footprints,
                                      __global const BlockBounds* blocks, __global const float* visibility,
-                                     __global uint* pyramid, __global uint* self_shadow_depths) {
+                                     __global uint* pyramid, __global uint* self_shadow_depths GN_SHARES) {
     lower_points(params, projections, positions, footprints, blocks, visibility, pyramid, self_shadow_depths,
-                 item_range(block_count(params.layout)));
+                 GN_SHARED_RANGE(block_count(params.layout)));
+#ifdef GN_CPU
+    if (GN_END_SHARES) reduce_bins(params.frame_count, params.light_frame.bins_x, params.light_frame.bins_y, pyramid);
+#endif
 }
 
-// Makes PYRAMID_LEVELS levels (or up to the last) above `level`: each cell is the minimum of up to 2 x 2 cells below. A
-// work-group takes a square of 2^PYRAMID_LEVELS cells of one frame. It is whole cells of every level that the group
-// makes, so a group reads no cell that another group writes.
+#if GN_LANES == 1
+// On a GPU: makes PYRAMID_LEVELS levels (or up to the last) above `level`: each cell is the minimum of up to 2 x 2
+// cells below. A work-group takes a square of 2^PYRAMID_LEVELS cells of one frame. It is whole cells of every level
+// that the group makes, so a group reads no cell that another group writes.
 __kernel void receiver_depth_pyramid_reduce(PyramidLevel level, __global uint* pyramid) {
     uint width = level.width, height = level.height, first = level.first;
     uint squares_x = (width + (1u << PYRAMID_LEVELS) - 1u) >> PYRAMID_LEVELS;
@@ -118,25 +147,24 @@ __kernel void receiver_depth_pyramid_reduce(PyramidLevel level, __global uint* p
         for (uint i = (uint)get_local_id(0); i < side * side; i += (uint)get_local_size(0)) {
             uint x = x0 + i % side, y = y0 + i / side;
             if (x >= half_width || y >= half_height) continue;
-            uint x1 = min(2u * x + 1u, width - 1u), y1 = min(2u * y + 1u, height - 1u);
-            cells[y * half_width + x] = min(min(below[2u * y * width + 2u * x], below[2u * y * width + x1]),
-                                            min(below[y1 * width + 2u * x], below[y1 * width + x1]));
+            cells[y * half_width + x] = least_of_square(below, width, height, x, y);
         }
         barrier(CLK_GLOBAL_MEM_FENCE);
         width = half_width;
         height = half_height;
     }
 }
+#endif
 
 // Per bin a height such that no point below it needs an occluder list. The map decides every point below its texel, so
 // the least height of the bin's texels counts beside the farthest point's height; but points that may shadow themselves
 // need a list at every height.
 __kernel void depth_after_map(uint frame_count, __constant const Projection* projections, __global const uint* map,
                               __global const uint* pyramid, __global const uint* self_shadow_depths,
-                              __global uint* depths) {
+                              __global uint* depths GN_SHARES) {
     uint bins_x = projections->bins_x, bins_y = projections->bins_y;
     uint width = projections->width, height = projections->height, size = 1u << projections->bin_log2;
-    GN_FOR_EACH(i, frame_count * bins_x * bins_y) {
+    GN_FOR_EACH_OF(i, GN_SHARED_RANGE(frame_count * bins_x * bins_y)) {
         uint bin = (uint)i % (bins_x * bins_y), frame = (uint)i / (bins_x * bins_y);
         bool has_map = !projections[frame].map_disabled;
         uint lowest_cover = has_map ? 0xFFFFFFFFu : 0u;
@@ -148,4 +176,7 @@ __kernel void depth_after_map(uint frame_count, __constant const Projection* pro
         }
         depths[i] = min(max(pyramid[i], lowest_cover), self_shadow_depths[i]);
     }
+#ifdef GN_CPU
+    if (GN_END_SHARES) reduce_bins(frame_count, bins_x, bins_y, depths);
+#endif
 }

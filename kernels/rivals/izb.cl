@@ -78,6 +78,7 @@ __kernel void izb_trace(const IzbParams params, __global const float* positions,
     GN_FOR_EACH(i, counters->pairs) {
         uint bin = triangle_pairs[i].bin, slot = triangle_pairs[i].slot;
         if (bin == GN_NO_ID) continue;
+        bin %= framed.light_frame.bins_x * framed.light_frame.bins_y;  // Pair: on a CPU it is the bin of a row
         uint id = bounds[slot].id;
         uint last = offsets[bin + 1] / GN_LANES;
         for (uint block = offsets[bin] / GN_LANES; block < last; ++block) {

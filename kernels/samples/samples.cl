@@ -352,7 +352,7 @@ __kernel void samples_points(SamplesParams params, __global const float* vertice
         uint i = start + (uint)get_local_id(0), part = i % PARTS_OF_FRAGMENT, slot = 0u, mask = 0u;
         if (i < params.count * PARTS_OF_FRAGMENT) {
             slot = mixed[i / PARTS_OF_FRAGMENT];
-            mask = fragments.masks[slot] & (SAMPLES_OF_PART << part * (MOST_SAMPLES / PARTS_OF_FRAGMENT));
+            mask = fragments.masks[slot] & (SAMPLES_OF_PART << part * (MAX_SAMPLES / PARTS_OF_FRAGMENT));
         }
         uint point = append_in_group(popcount(mask), reserved, &counters->points);
         if (mask != 0u) write_points(&params, vertices, rays, fragments, slot, mask, point, &points);

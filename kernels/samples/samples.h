@@ -11,7 +11,7 @@
 
 #include "camera/camera.h"
 
-#define MOST_SAMPLES 32
+#define MAX_SAMPLES 32
 
 // Slots that a GPU's work-group reserves at a time for the fragments that it finds: enough for any pixel.
 #define SLOTS_OF_GROUP 32u
@@ -19,14 +19,14 @@
 // The number of a GPU's work-items that make the points of one fragment. (H200: .23, .21, .23, .32 ms with 4, 8, 16,
 // 32.)
 #define PARTS_OF_FRAGMENT 8u
-#define SAMPLES_OF_PART (0xFFFFFFFFu >> (32u - MOST_SAMPLES / PARTS_OF_FRAGMENT))
+#define SAMPLES_OF_PART (0xFFFFFFFFu >> (32u - MAX_SAMPLES / PARTS_OF_FRAGMENT))
 
 GN_STRUCT_BEGIN(SamplePattern)
     uint count;
-    uint all;                        // the mask of all samples
-    float low[2], high[2];           // the box around all samples, in pixels from the pixel's upper left corner
-    float position_x[MOST_SAMPLES];  // of each sample, from the same corner
-    float position_y[MOST_SAMPLES];
+    uint all;                       // the mask of all samples
+    float low[2], high[2];          // the box around all samples, in pixels from the pixel's upper left corner
+    float position_x[MAX_SAMPLES];  // of each sample, from the same corner
+    float position_y[MAX_SAMPLES];
 GN_STRUCT_END(SamplePattern, 280)
 
 // The pixels of a batch, numbered tile by tile, on a CPU square by square of 4 x 4 pixels, on a GPU row by row. A batch
@@ -46,7 +46,7 @@ GN_STRUCT_END(PixelBatch, 32)
 #define SQUARE_PIXELS 16u
 
 // Room for the open pairs of samples_filter.cl, and for the pixels that have them.
-#define LEAST_OPEN_ROOM 64u
+#define MIN_OPEN_ROOM 64u
 GN_STRUCT_BEGIN(OpenCapacities)
     uint pixels, pairs;
 GN_STRUCT_END(OpenCapacities, 8)

@@ -156,11 +156,11 @@ static void store_open_pixel(const FilterWork* work, uint pixel, OpenSamples ope
     bool fits = pair + count <= open.capacities.pairs;
     if (item == 0u) open.pixels[at] = fits ? pixel : GN_NO_ID;
     for (uint sample = item; sample < samples; sample += items)
-        open.receivers[at * MOST_SAMPLES + sample] = group->receivers[sample];
+        open.receivers[at * MAX_SAMPLES + sample] = group->receivers[sample];
     for (uint i = item; i < count; i += items)
         if (pair + i < open.capacities.pairs)
             open.pairs[pair + i] =
-                (uint2)(at * MOST_SAMPLES + group->open_samples[i], fits ? group->open_slots[i] : GN_NO_ID);
+                (uint2)(at * MAX_SAMPLES + group->open_samples[i], fits ? group->open_slots[i] : GN_NO_ID);
 }
 
 __kernel void samples_filter(SamplesParams params, __constant const SamplePattern* pattern,
@@ -209,8 +209,8 @@ __kernel void samples_open_pairs(SamplesParams params, __global const float* ver
     GN_FOR_EACH(i, min(counters->open_pairs, params.open.pairs)) {
         uint2 pair = open.pairs[i];
         if (pair.y == GN_NO_ID) continue;
-        uint id = bounds[pair.y].id, sample = pair.x % MOST_SAMPLES, samples = params.samples;
-        uint2 at = place_of_pixel(params.batch, open.pixels[pair.x / MOST_SAMPLES]);
+        uint id = bounds[pair.y].id, sample = pair.x % MAX_SAMPLES, samples = params.samples;
+        uint2 at = place_of_pixel(params.batch, open.pixels[pair.x / MAX_SAMPLES]);
         uint own = pixel_receivers[at.y * params.batch.width + at.x];
         Ray ray = load_ray(rays, at.x * samples + sample, (params.batch.width + at.y) * samples + sample);
         Outline outline = outline_of(load_triangle(triangles.vertices, id), eye);
@@ -241,7 +241,7 @@ __kernel void samples_open_fragments(SamplesParams params, __constant const Samp
         uint own = pixel_receivers[at.y * params.batch.width + at.x];
         if (item == 0u) group.others = 0u;
         for (uint sample = item; sample < samples; sample += items)
-            group.receivers[sample] = open.receivers[k * MOST_SAMPLES + sample];
+            group.receivers[sample] = open.receivers[k * MAX_SAMPLES + sample];
         barrier(CLK_LOCAL_MEM_FENCE);
         group_by_receiver(params, samples, own, &group, fragments, counters);
         sky_count += store_fragments(params, samples, i, own, &group, fragments);

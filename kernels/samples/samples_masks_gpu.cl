@@ -176,15 +176,15 @@ static void store_open(const GpuMasksWork* work, OpenSamples open, uint i, uint 
             slot = (work->group->receiver_masks[k][(uint)get_local_id(0)] >> sample & 1u) != 0u
                        ? work->group->receiver_slots[k][(uint)get_local_id(0)]
                        : slot;
-            open.receivers[at * MOST_SAMPLES + sample] = (pixel->own_mask >> sample & 1u) != 0u ? own
-                                                         : slot == GN_NO_ID                     ? GN_NO_ID
-                                                                            : work->lists.bounds[slot].id;
+            open.receivers[at * MAX_SAMPLES + sample] = (pixel->own_mask >> sample & 1u) != 0u ? own
+                                                        : slot == GN_NO_ID                     ? GN_NO_ID
+                                                                           : work->lists.bounds[slot].id;
         }
     barrier(CLK_LOCAL_MEM_FENCE);
     for (uint k = item; k < count; k += (uint)get_local_size(0)) {
-        uint place = group->open_places[k], of = group->open_pixels[place / MOST_SAMPLES];
+        uint place = group->open_places[k], of = group->open_pixels[place / MAX_SAMPLES];
         if (first + k < open.capacities.pairs)
-            open.pairs[first + k] = (uint2)(of == GN_NO_ID ? 0u : of * MOST_SAMPLES + place % MOST_SAMPLES,
+            open.pairs[first + k] = (uint2)(of == GN_NO_ID ? 0u : of * MAX_SAMPLES + place % MAX_SAMPLES,
                                             of == GN_NO_ID ? GN_NO_ID : group->open_slots[k]);
     }
     barrier(CLK_LOCAL_MEM_FENCE);
@@ -225,7 +225,7 @@ MASKS_GROUP_SIZE __kernel void samples_masks_gpu(SamplesParams params, __constan
                          &group};
     Fragments fragments = fragments_of(fragment_words, batch);
     uint item = (uint)get_local_id(0), items = (uint)get_local_size(0), sky_count = 0u;
-    for (uint sample = item; sample < MOST_SAMPLES; sample += items) {
+    for (uint sample = item; sample < MAX_SAMPLES; sample += items) {
         group.position_x[sample] = pattern->position_x[sample];
         group.position_y[sample] = pattern->position_y[sample];
     }

@@ -8,8 +8,8 @@
 
 // A level and the one before.
 GN_STRUCT_BEGIN(MipParams)
-    ulong first_texel;           // of the level, in the texels of all textures
-    ulong first_texel_before;    // of the level before
+    ulong first_texel;         // of the level, in the texels of all textures
+    ulong first_texel_before;  // of the level before
     uint width, height;
     uint width_before, height_before;
     uint is_even;  // 1: both sides of the level before are even, and a texel is the mean of four; 0: taps are read

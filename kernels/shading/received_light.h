@@ -9,5 +9,5 @@ GN_STRUCT_BEGIN(ReceivedParams)
     PointsLayout layout;  // of the pixels' points
     ulong area[3];        // bits of doubles: edge_a x edge_b, as long as its area
     uint samples;
-    uint words;           // of a row of bits
+    uint words;  // of a row of bits
 GN_STRUCT_END(ReceivedParams, 80)

@@ -9,7 +9,7 @@
 #define AMBIENT 0.25f
 
 // Normals that are farther apart than this sine (30 degrees) are meant to show edges.
-#define MOST_SHIFT 0.5f
+#define MAX_SHIFT 0.5f
 
 // The light of the whole sky, compared with the 1 - AMBIENT of a light that shines from above; and the part of the
 // ambient light that is added to the light of the sky.
@@ -53,7 +53,7 @@ __kernel void shade_light(ShadeParams params, __global const float* positions, _
         if (!is_directional) l = unit_of(difference(light, load_block(positions, layout, block)));
         LaneFloat cosine = block_dot(load_block(normals, packed_layout(layout), block), l);
         if (params.has_spreads != 0u) {
-            LaneFloat shift = load_lanes(spreads, layout, block), most = (LaneFloat)(MOST_SHIFT);
+            LaneFloat shift = load_lanes(spreads, layout, block), most = (LaneFloat)(MAX_SHIFT);
             shift = LANES_MIN(shift, most);
             cosine = (cosine - shift) / ((LaneFloat)(1.0f) - shift);
         }
@@ -155,6 +155,42 @@ __kernel void shade(PictureParams params, __global const uint* visible, __global
         LaneInt rgba = to_srgb(light.x, srgb_table) | to_srgb(light.y, srgb_table) << 8 |
                        to_srgb(light.z, srgb_table) << 16 | (int)0xFF000000u;
         store_lane_ids(rgba, picture, params.layout, block);
+    }
+}
+
+// Adds a picture's light to that of the pictures before: three floats for each pixel, in planes.
+__kernel void shade_add(PictureParams params, __global const uint* visible, __global const float* normals,
+                        __global const float* lambert, __global const uint* triangle_material,
+                        __global const float* base_colors, __global const float* albedos,
+                        __global const float* sky_shares, __global float* sums) {
+    PictureInputs from = {visible, normals, lambert, triangle_material, base_colors, albedos, sky_shares};
+    PointsLayout layout = params.layout;
+    __global float* green = sums + layout.count;
+    __global float* blue = green + layout.count;
+    GN_FOR_EACH(block, block_count(layout)) {
+        LaneInt seen;
+        PointBlock light = tone_mapped(light_of_block(params, &from, block, &seen));
+        if (params.is_first == 0u) {
+            light.x += load_lanes(sums, layout, block);
+            light.y += load_lanes(green, layout, block);
+            light.z += load_lanes(blue, layout, block);
+        }
+        store_lanes(light.x, sums, layout, block);
+        store_lanes(light.y, green, layout, block);
+        store_lanes(light.z, blue, layout, block);
+    }
+}
+
+// The mean of all pictures, from the sums of their light.
+__kernel void shade_mean(PictureMeanParams params, __global const float* sums, __global const uchar* srgb_table,
+                         __global uint* picture) {
+    GN_FOR_EACH(pixel, params.pixels) {
+        uint rgba = 0xFF000000u;
+        for (uint channel = 0u; channel < 3u; ++channel) {
+            float light = clamp(sums[channel * (size_t)params.pixels + pixel] * params.scale, 0.0f, 1.0f);
+            rgba |= (uint)srgb_table[(int)(light * (float)(SRGB_TABLE_SIZE - 1) + 0.5f)] << (8u * channel);
+        }
+        picture[pixel] = rgba;
     }
 }
 

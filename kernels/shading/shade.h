@@ -19,5 +19,10 @@ GN_STRUCT_BEGIN(PictureParams)
     uint has_albedos;     // 0: the triangles' materials have the base colours
     uint has_sky_shares;  // 0: ambient light everywhere
     float exposure;       // the factor of all light
-    uint padding;
+    uint is_first;        // shade_add: 1: nothing is read from the sums
 GN_STRUCT_END(PictureParams, 64)
+
+GN_STRUCT_BEGIN(PictureMeanParams)
+    uint pixels;
+    float scale;  // 1 / the number of pictures
+GN_STRUCT_END(PictureMeanParams, 8)

@@ -31,6 +31,8 @@ static Barycentric barycentric_of(Triangle t, SurfaceParams params, float x, flo
         found.across = found.down = (float3)(0.0f);
         return found;
     }
+    // Textures are filtered over the square that the sample stands for.
+    across *= params.pixel_share, down *= params.pixel_share;
     float3 w_across = (float3)(surface_dot(of_a, across), surface_dot(of_b, across), surface_dot(of_c, across));
     float3 w_down = (float3)(surface_dot(of_a, down), surface_dot(of_b, down), surface_dot(of_c, down));
     found.across = (w_across - found.at * (w_across.x + w_across.y + w_across.z)) * inverse;

@@ -6,9 +6,9 @@
 // normals (16 bits each of the octahedral map's x and y, pack_normal(); 0: the corner has none). A slot is a triangle's
 // id; where the arrays of all triangles do not fit, the host gathers those of the shown triangles and numbers them.
 //
-// A pixel's barycentric coordinates are those of its centre's ray, weights w_i . d with w_a = (B - E) x (C - B) and so
-// on, which are linear in the ray's direction d: so their derivatives per pixel, the area of the pixel in the texture,
-// are exact for the pinhole camera (Igehy 1999, "Tracing Ray Differentials").
+// A pixel's barycentric coordinates are those of its sample's ray (its centre's, of one sample), weights w_i . d with
+// w_a = (B - E) x (C - B) and so on, which are linear in the ray's direction d: so their derivatives per pixel, the
+// area of the pixel in the texture, are exact for the pinhole camera (Igehy 1999, "Tracing Ray Differentials").
 //
 // Texels: 8-bit sRGB, and a weight. Each texture has all its levels, one behind the other, each of half the sides
 // (rounded down, at least 1). Texels are decoded before they are filtered.
@@ -27,7 +27,7 @@
 #define SURFACE_MINIFY_NEAREST 2u
 
 // The most probes of a pixel, each trilinear, along its longer axis.
-#define SURFACE_MOST_PROBES 16
+#define SURFACE_MAX_PROBES 16
 
 GN_STRUCT_BEGIN(SurfaceParams)
     TrianglesLayout triangles;
@@ -36,14 +36,16 @@ GN_STRUCT_BEGIN(SurfaceParams)
     float across[3];  // from a pixel to the next in its row
     float down[3];    // and in its column
     uint width, height;
-    uint has_colors;   // 0: corners' colours are not read
-    uint has_normals;  // 0: shading normals are not written
-GN_STRUCT_END(SurfaceParams, 80)
+    uint has_colors;    // 0: corners' colours are not read
+    uint has_normals;   // 0: shading normals are not written
+    float pixel_share;  // the side of the square, in pixels, that textures are filtered over
+    uint padding;
+GN_STRUCT_END(SurfaceParams, 88)
 
 GN_STRUCT_BEGIN(SurfaceMaterial)
     float base_color[3];
-    uint is_nearest;    // 1: magnified texels are squares
-    ulong first_texel;  // of the texture
+    uint is_nearest;     // 1: magnified texels are squares
+    ulong first_texel;   // of the texture
     uint width, height;  // of its first level; 0: there is no texture
     uint wrap_u, wrap_v;
     uint minification;  // as in TextureMinification

@@ -42,8 +42,9 @@ GN_NOINLINE_ON_CPU void decide_queue(ItemRange items, const TraceParams params, 
 
 __kernel void exact_trace(const TraceParams params, __global const float* positions, __global const float* vertices,
                           __global const uint2* queue, volatile __global uint* visibility_bits,
-                          __global FrameCounters* counters) {
+                          __global FrameCounters* counters GN_SHARES) {
     uint count = min(counters->uncertain, params.queue_capacity);
-    decide_queue(item_range(count / GN_LANES + (count % GN_LANES != 0u)), params, positions, vertices, queue,
+    decide_queue(GN_SHARED_RANGE(count / GN_LANES + (count % GN_LANES != 0u)), params, positions, vertices, queue,
                  visibility_bits, counters);
+    GN_END_SHARES;
 }

@@ -16,19 +16,19 @@ __kernel void walk_blocks(uint count, PointsLayout layout, float rounding, __glo
 #endif
         BlockBeam beam = beam_of_points(&p, present_lanes(p), (float3)(0.0f), rounding, cone SHARED);
         BEAM_BEGIN_STACK(stack);
-        uint top = 1u, most_entries = 1u, found = 0u;
+        uint top = 1u, max_entries = 1u, found = 0u;
         while (top != 0u) {
             uint code = stack[--top];
             if ((code & BVH_LEAF) == 0u) {
                 top = push_children_in_beam(stack, top, code, &beam.all, &scene SHARED);
-                most_entries = max(most_entries, top);
+                max_entries = max(max_entries, top);
                 continue;
             }
             if (found < most) leaves[i * most + found] = code & ~BVH_LEAF;
             ++found;
         }
         counts[i] = found;
-        highest[i] = most_entries;
+        highest[i] = max_entries;
     }
 }
 

@@ -46,29 +46,29 @@ struct Walk {
 
 std::vector<Walk> walk_blocks(gnomon::cl::Session& session, const Floats& positions,
                               std::span<const gnomon::Light> lights, const gnomon::cl::Buffer& nodes, float largest,
-                              std::uint32_t most_leaves) {
+                              std::uint32_t max_leaves) {
     add_kernel_file(session, KERNELS);
     const bool are_positions = !lights[0].is_directional();
-    const auto bundles = gnomon::make_light_bundles(lights, MOST_BUNDLE_LIGHTS).value();
+    const auto bundles = gnomon::make_light_bundles(lights, MAX_BUNDLE_LIGHTS).value();
     const auto count = cl_uint(positions.size() / 3 / gnomon::bvh_width(session));
     gnomon::PointsLayout layout{};
     layout.point_stride = 3;
     layout.coordinate_stride = 1;
     layout.count = cl_uint(positions.size() / 3);
-    const gnomon::cl::Buffer leaves(session, count * most_leaves * 4), counts(session, count * 4),
+    const gnomon::cl::Buffer leaves(session, count * max_leaves * 4), counts(session, count * 4),
         highest(session, count * 4);
     session.launch({KERNELS, "walk_blocks", {.point_lights = are_positions}}, gnomon::bvh_range(session, count), count,
                    layout, beam_rounding(largest, are_positions),
                    uploaded(session, std::vector{bundles.bundles[0].cones[0]}), uploaded(session, positions), nodes,
-                   most_leaves, leaves, counts, highest, gnomon::cl::LocalBytes{BEAM_LOCAL_WORDS * sizeof(cl_uint)});
-    const auto all = downloaded<std::uint32_t>(session, leaves.get(), count * most_leaves);
+                   max_leaves, leaves, counts, highest, gnomon::cl::LocalBytes{BEAM_LOCAL_WORDS * sizeof(cl_uint)});
+    const auto all = downloaded<std::uint32_t>(session, leaves.get(), count * max_leaves);
     const auto found = downloaded<std::uint32_t>(session, counts.get(), count);
-    const auto most_entries = downloaded<std::uint32_t>(session, highest.get(), count);
+    const auto max_entries = downloaded<std::uint32_t>(session, highest.get(), count);
     std::vector<Walk> walks;
     for (std::size_t i = 0; i < count; ++i) {
-        EXPECT_LE(found[i], most_leaves);
-        const auto first = all.begin() + std::ptrdiff_t(i * most_leaves);
-        walks.push_back({{first, first + std::min(found[i], most_leaves)}, most_entries[i]});
+        EXPECT_LE(found[i], max_leaves);
+        const auto first = all.begin() + std::ptrdiff_t(i * max_leaves);
+        walks.push_back({{first, first + std::min(found[i], max_leaves)}, max_entries[i]});
     }
     return walks;
 }
@@ -231,13 +231,13 @@ HandMadeTree tallest_tree(std::uint32_t width, std::uint32_t levels, bool by_pac
     return tree;
 }
 
-constexpr std::uint32_t most_levels(std::uint32_t width) { return (MAX_STACK_ENTRIES - 2) / (width - 1); }
+constexpr std::uint32_t max_levels(std::uint32_t width) { return (MAX_STACK_ENTRIES - 2) / (width - 1); }
 
 TEST(BeamWalk, ItsStackHasRoomForTheTallestTree) {
     for (const bool gpu_kernels : {false, true}) {
         const gnomon::Device device = device_of(gpu_kernels);
         gnomon::cl::Session& session = session_of(device);
-        const std::uint32_t width = gnomon::bvh_width(session), levels = most_levels(width);
+        const std::uint32_t width = gnomon::bvh_width(session), levels = max_levels(width);
         const std::uint32_t leaves = levels * (width - 1) + 1;
         for (const bool are_positions : {false, true}) {
             const HandMadeTree tree = tallest_tree(width, levels, false);
@@ -256,11 +256,11 @@ TEST(BeamWalk, ItsStackHasRoomForTheTallestTree) {
 // A leaf of the root, to which the walk comes after those of all other nodes, holds what blocks all rays.
 void expect_trace_of_tallest_tree(const gnomon::Device& device, BeamMethod method, bool are_positions) {
     gnomon::cl::Session& session = session_of(device);
-    const std::uint32_t width = gnomon::bvh_width(session), levels = most_levels(width);
+    const std::uint32_t width = gnomon::bvh_width(session), levels = max_levels(width);
     LightScene scene{"tallest tree", {}, points_below(4 * width)};
     append(scene.triangles, {400, 400, 5, 401, 400, 5, 400, 401, 5, -500, -500, 5, 500, -500, 5, 0, 500, 5});
     const std::vector<gnomon::Light> lights = lights_above(are_positions);
-    BeamStage stage(device, scene, lights, method, MOST_BUNDLE_LIGHTS);
+    BeamStage stage(device, scene, lights, method, MAX_BUNDLE_LIGHTS);
     const std::size_t leaves = levels * (width - 1) + 1;
     constexpr float nan = std::numeric_limits<float>::quiet_NaN();
     for (const bool is_dark : {false, true})

@@ -420,7 +420,7 @@ TEST(Camera, WritesOnlyItsOwn) {
     params.width = scene.width;
     params.height = scene.height;
     params.point_count = cl_uint(pixels);
-    const auto range = gnomon::cl::Range::items(pixels);
+    const auto range = gnomon::cl::Range::shares(pixels);
     const gnomon::cl::Buffer counters = uploaded(session, std::vector<gnomon::FrameCounters>{gnomon::FrameCounters{}});
     session.launch("camera/camera.cl", "camera_points", range, params, inputs.vertices, rays, view.points.receivers(),
                    positions, counters);

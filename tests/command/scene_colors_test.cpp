@@ -40,12 +40,12 @@ constexpr const char* png_large =
 
 int decoded_images = 0;
 
-scene::ColorImage decoded(std::span<const unsigned char> bytes, std::uint64_t most_bytes) {
+scene::ColorImage decoded(std::span<const unsigned char> bytes, std::uint64_t max_bytes) {
 #ifdef __SANITIZE_ADDRESS__
     const __lsan::ScopedDisabler disabled;  // as in scene_cut_outs_test.cpp
 #endif
     ++decoded_images;
-    app::RgbaImage image = app::read_colors(bytes, most_bytes);
+    app::RgbaImage image = app::read_colors(bytes, max_bytes);
     return {image.width, image.height, std::move(image.rgba)};
 }
 scene::SceneCutOuts::Texture alpha_decoded(std::span<const unsigned char> bytes) {

@@ -24,7 +24,7 @@ namespace {
 
 using fuzz::require;
 
-constexpr std::uint64_t most_bytes = 16 << 20;
+constexpr std::uint64_t max_bytes = 16 << 20;
 
 template <typename Decode>
 auto decoded(const Decode& decode) -> std::optional<decltype(decode())> {
@@ -44,10 +44,10 @@ auto decoded(const Decode& decode) -> std::optional<decltype(decode())> {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    const auto colors = decoded([&] { return gnomon::app::read_colors({data, size}, most_bytes); });
-    if (!colors) return 0;  // what is too large for most_bytes takes long to decode, and may be a valid image
+    const auto colors = decoded([&] { return gnomon::app::read_colors({data, size}, max_bytes); });
+    if (!colors) return 0;  // what is too large for max_bytes takes long to decode, and may be a valid image
     const std::size_t texels = std::size_t(colors->width) * colors->height;
-    require(texels != 0 && 4 * texels <= most_bytes, "a size within its bounds");
+    require(texels != 0 && 4 * texels <= max_bytes, "a size within its bounds");
     require(colors->rgba.size() == 4 * texels, "four bytes for each texel");
     const auto alpha = decoded([&] { return gnomon::app::read_alpha({data, size}); });
     require(alpha && alpha->width == colors->width && alpha->height == colors->height, "the same size both ways");

@@ -88,7 +88,7 @@ Decided expect_decisions(const gnomon::Device& device, LightScene scene, const g
     const gnomon::PointPart part{0, points.count()};
     masks.face(part);
     horizons.decide(sorted.part(0, points.count()), masks.for_horizons());
-    const std::size_t words = masks.most_points() * bundles->bundles.size();
+    const std::size_t words = masks.max_points() * bundles->bundles.size();
     const auto open = session.read_values<std::uint32_t>(masks.masks().get(), words);
     const auto lit = session.read_values<std::uint32_t>(masks.for_horizons().lit.get(), words);
     const auto order = session.read_values<std::uint32_t>(sorted.order().get(), points.count());
@@ -99,7 +99,7 @@ Decided expect_decisions(const gnomon::Device& device, LightScene scene, const g
         scene.light = lights.lights()[light].xyzw;
         const std::vector<float> truth = truth_of(scene);
         for (std::size_t i = 0; i < points.count(); ++i) {
-            const std::size_t word = slot / 32 * masks.most_points() + i;
+            const std::size_t word = slot / 32 * masks.max_points() + i;
             const bool is_open = (open[word] >> slot % 32 & 1) != 0, is_lit = (lit[word] >> slot % 32 & 1) != 0;
             EXPECT_FALSE(is_open && is_lit);
             ++decided.pairs;

@@ -48,7 +48,7 @@ TEST(LightsMethod, FewLightsAndLightsThatCannotBeBundledGoOneByOne) {
         mixed.can_be_bundled = false;
         expect_by_rule(mixed, Method::one_by_one);
         EXPECT_FALSE(gnomon::wants_height_field(mixed));
-        EXPECT_FALSE(gnomon::wants_widest_bundle(mixed));
+        EXPECT_FALSE(gnomon::wants_bundles(mixed));
         enough.lights = lights_tuning.min_shared_lights;
         EXPECT_NE(choose_method(enough, {}), Method::one_by_one);
     }
@@ -62,7 +62,7 @@ TEST(LightsMethod, SmallRunsTakeBeamsUnmeasured) {
         traits.points = lights_tuning.min_measured_pairs / traits.lights - 1;
         expect_by_rule(traits, Method::beams);
         EXPECT_FALSE(gnomon::wants_height_field(traits));
-        EXPECT_FALSE(gnomon::wants_widest_bundle(traits));
+        EXPECT_EQ(gnomon::wants_bundles(traits), is_cpu);
         ++traits.points;
         EXPECT_TRUE(gnomon::wants_height_field(traits));
         EXPECT_TRUE(is_cpu ? !methods_to_measure(traits).empty() : choose_method(traits, {}) == Method::horizons);
@@ -85,9 +85,72 @@ TEST(LightsMethod, AHeightFieldIsSearchedForWhereItMayServe) {
     }
 }
 
+TEST(LightsMethod, ACpuTakesRaysToScatteredLightsUnmeasured) {
+    for (const bool are_point_lights : {false, true}) {
+        LightsTraits traits = large_run(true);
+        traits.are_point_lights = are_point_lights;
+        traits.lights_per_bundle = lights_tuning.cpu_scattered_lights * 0.999;
+        traits.widest_bundle = lights_tuning.cpu_scattered_box;
+        EXPECT_TRUE(gnomon::wants_bundles(traits));
+        expect_by_rule(traits, Method::rays);
+        traits.points = 1;
+        expect_by_rule(traits, Method::rays);
+        LightsTraits few = traits, dense = traits, picture = traits, gpu = traits;
+        few.lights = lights_tuning.min_shared_lights - 1;
+        expect_by_rule(few, Method::one_by_one);
+        dense.points = std::size_t(1) << 21;
+        dense.lights_per_bundle = lights_tuning.cpu_scattered_lights;
+        dense.widest_bundle = lights_tuning.cpu_scattered_box * 0.999;
+        EXPECT_EQ(methods_to_measure(dense), (Methods{Method::beams, Method::rays}));
+        picture.is_picture = true;
+        EXPECT_FALSE(gnomon::wants_bundles(picture));
+        expect_by_rule(picture, Method::beams);
+        gpu.is_cpu = false;
+        expect_by_rule(gpu, Method::beams);
+    }
+}
+
+TEST(LightsMethod, AKeptTreeServesOneLight) {
+    LightsTraits traits = large_run(true);
+    traits.keeps_clusters = true;
+    traits.lights = 1;
+    traits.triangles = traits.points * lights_tuning.cpu_triangles_per_pair;
+    EXPECT_TRUE(gnomon::wants_tree(traits));
+    expect_by_rule(traits, Method::rays);
+    traits.are_point_lights = true;
+    traits.widest_bundle = 0;
+    expect_by_rule(traits, Method::rays);
+    const auto expect_no_tree = [&](auto&& change) {
+        LightsTraits other = traits;
+        change(other);
+        EXPECT_FALSE(gnomon::wants_tree(other));
+        expect_by_rule(other, Method::one_by_one);
+        other.lights = lights_tuning.min_shared_lights;
+        EXPECT_TRUE(gnomon::wants_tree(other));
+    };
+    expect_no_tree([](LightsTraits& other) { other.triangles += lights_tuning.cpu_triangles_per_pair; });
+    expect_no_tree([](LightsTraits& other) { other.keeps_clusters = false; });
+    expect_no_tree([](LightsTraits& other) { other.is_picture = true; });
+    expect_no_tree([](LightsTraits& other) { other.is_cpu = false; });
+}
+
+TEST(LightsMethod, ACpuSearchesNoFieldForAFewScatteredLights) {
+    LightsTraits traits = large_run(true);
+    traits.triangles = 1;
+    traits.lights_per_bundle = 1;
+    traits.lights = lights_tuning.cpu_sector_lights - 1;
+    EXPECT_FALSE(gnomon::wants_height_field(traits));
+    ++traits.lights;
+    EXPECT_TRUE(gnomon::wants_height_field(traits));
+    traits.is_height_field = true;
+    EXPECT_EQ(methods_to_measure(traits), (Methods{Method::beams, Method::rays, Method::horizons}));
+    traits.lights_per_bundle = lights_tuning.cpu_scattered_lights;
+    traits.lights = lights_tuning.min_shared_lights;
+    EXPECT_TRUE(gnomon::wants_height_field(traits));
+}
+
 TEST(LightsMethod, ACpuMeasuresWhatMayBeTheFastest) {
     LightsTraits traits = large_run(true);
-    EXPECT_FALSE(gnomon::wants_widest_bundle(traits));
     EXPECT_EQ(methods_to_measure(traits), (Methods{Method::beams, Method::rays}));
     traits.is_height_field = true;
     EXPECT_EQ(methods_to_measure(traits), (Methods{Method::beams, Method::rays, Method::horizons}));
@@ -138,7 +201,7 @@ TEST(LightsMethod, AGpuTakesHorizonsOfAHeightFieldUnmeasured) {
     LightsTraits traits = large_run(false);
     traits.keeps_clusters = traits.is_height_field = true;
     expect_by_rule(traits, Method::horizons);
-    EXPECT_FALSE(gnomon::wants_widest_bundle(traits));
+    EXPECT_FALSE(gnomon::wants_bundles(traits));
 }
 
 TEST(LightsMethod, AGpuTakesBeamsOfThinBundlesUnmeasured) {
@@ -146,7 +209,7 @@ TEST(LightsMethod, AGpuTakesBeamsOfThinBundlesUnmeasured) {
         LightsTraits traits = large_run(false);
         traits.is_picture = true;
         traits.are_point_lights = are_point_lights;
-        EXPECT_TRUE(gnomon::wants_widest_bundle(traits));
+        EXPECT_TRUE(gnomon::wants_bundles(traits));
         const double limit = are_point_lights ? lights_tuning.thin_box : lights_tuning.thin_cone;
         traits.widest_bundle = limit * 0.999;
         expect_by_rule(traits, Method::beams);
@@ -213,6 +276,7 @@ TEST(LightsMethod, TheChoiceIsMeasuredOrByRule) {
                                   .can_be_bundled = random() % 8 != 0,
                                   .are_point_lights = flip(),
                                   .is_height_field = flip(),
+                                  .lights_per_bundle = 1 + double(random() % 32),
                                   .widest_bundle = double(random() % 100) / 1000};
         const Methods measured = methods_to_measure(traits);
         LightsCosts costs;

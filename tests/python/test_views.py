@@ -45,6 +45,14 @@ def test_shadows(view):
     assert (view.visibility(direction=(0, 1, 0))[view.receivers >= 0] == 0).all(), "light from below"
 
 
+def test_a_smooth_image_is_smooth_at_edges_alone(view):
+    once, smooth = view.image(direction=(0, -1, 0)), view.image(direction=(0, -1, 0), samples=8)
+    differs = (once != smooth).any(axis=2)
+    assert differs.any() and not differs.all()
+    colors = {tuple(color) for color in once.reshape(-1, 4)}
+    assert {tuple(color) for color in smooth[differs]} - colors, "edges have colours between those of their sides"
+
+
 def test_image(view):
     image = view.image(direction=(0, -1, 0))
     assert image.shape == (90, 160, 4) and image.dtype == np.uint8

@@ -135,7 +135,7 @@ struct Approximation {
     std::string technique;
     Settings settings;
     Light light;
-    double most_error;            ///< mean over the pixels that show a triangle
+    double max_error;             ///< mean over the pixels that show a triangle
     bool is_lower_bound = false;  ///< never wrongly dark
 };
 
@@ -162,7 +162,7 @@ void approximate(const gnomon::Device& device, const Floats& scene, const Approx
     error /= double(seen);
     const std::string name = a.technique + " " + text_of(a.settings);
     std::printf("%s: %zu pixels, %zu in shadow, mean error %.3f\n", name.c_str(), seen, dark, error);
-    require(error <= a.most_error, name + ": too far from the truth");
+    require(error <= a.max_error, name + ": too far from the truth");
     require(dark > seen / 8 && dark < seen * 7 / 8, name + ": light and shadow must occur");
     require(!a.is_lower_bound || wrongly_dark == 0, name + ": wrongly dark");
 }

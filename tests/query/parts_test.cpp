@@ -80,7 +80,7 @@ Bits whole(const Device& device, const gnomon::CutOuts* cut_outs = nullptr) {
     return bits;
 }
 
-Bits in_parts(const Device& device, std::uint64_t& most_parts, const gnomon::CutOuts* cut_outs = nullptr) {
+Bits in_parts(const Device& device, std::uint64_t& max_parts, const gnomon::CutOuts* cut_outs = nullptr) {
     Bits bits;
     const gnomon::ViewOfParts looked = look_in_parts(device, {vertices(), cut_outs}, camera, width, height);
     bits.view = looked.view.read(device, looked.triangles);
@@ -89,12 +89,12 @@ Bits in_parts(const Device& device, std::uint64_t& most_parts, const gnomon::Cut
     const auto points = gnomon::Points::upload(device, places());
     const gnomon::Visibility seen(device, looked.view.points.count()), scattered(device, points.count());
     const auto make = [&] { return made(device); };
-    most_parts = 0;
+    max_parts = 0;
     for (int i = 0; i < 2; ++i) {
         for (const gnomon::Statistics& run :
              {run_in_parts(make, device, {vertices(), cut_outs}, points, {}, lights[i], scattered),
               run_in_parts(make, device, {vertices(), cut_outs}, looked.view.points, looked.ids, lights[i], seen)})
-            most_parts = std::max(most_parts, run.count("parts"));
+            max_parts = std::max(max_parts, run.count("parts"));
         bits.scattered[i] = scattered.read();
         bits.seen[i] = seen.read();
     }

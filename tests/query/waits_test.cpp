@@ -131,6 +131,8 @@ TEST_F(Waits, OfCppAreThoseOfTheTable) {
     const Appearance appearance = quietly([&] { return Appearance::upload(device, grey); });
     const View large_view = quietly([&] { return look(device, triangles, camera, 1200, 900); });
     const Visibility rgba(device, 16 * 12);  // as many bytes
+    PictureMean mean(device, 16 * 12, 100), read_mean(device, 16 * 12, 1);
+    read_mean.add(surfaces, std::span(&picture, 1), std::span(&light, 1));
     const Points opaque =
         quietly([&] { return Points::upload(device, Floats(900), std::vector<std::uint32_t>(300, no_cut_out)); });
     CutOutBuffers cut_outs;
@@ -160,6 +162,9 @@ TEST_F(Waits, OfCppAreThoseOfTheTable) {
         {"Surfaces::read", [&] { surfaces.read(); }},
         {"shade", [&] { shade(surfaces, std::span(&picture, 1), std::span(&light, 1)); }},
         {"shade_into", [&] { shade_into(rgba.buffer(), surfaces, std::span(&picture, 1), std::span(&light, 1)); }},
+        {"PictureMean::PictureMean", [&] { PictureMean(device, 16 * 12, 1); }, [&] { PictureMean(device, large, 1); }},
+        {"PictureMean::add", [&] { mean.add(surfaces, std::span(&picture, 1), std::span(&light, 1)); }},
+        {"PictureMean::read", [&] { read_mean.read(); }},
         {"VertexFans::find", [&] { VertexFans::find(device, vertices, std::span(vertices).first(3)); }},
         {"VertexFans::extended", [&] { fans.extended(); }},
         {"make_technique", [&] { make_technique("frustum-traced", device); }},
@@ -175,6 +180,9 @@ TEST_F(Waits, OfCppAreThoseOfTheTable) {
          [&] { run_light_table_to_host(*technique, triangles, points, table, {.counts = true}); }},
         {"run_mean", [&] { run_mean(*technique, triangles, points, table, visibility); }},
         {"run_samples", [&] { run_samples(*technique, triangles, view, light, 4, picture); }},
+        {"run_samples_mean", [&] { run_samples_mean(*technique, triangles, view, table, 4, picture); }},
+        {"SampleViews::SampleViews", [&] { SampleViews(device, triangles, view, 4); }},
+        {"SampleViews::at", [&] { SampleViews(device, triangles, view, 4).at(0); }},
         {"run_in_parts",
          [&] {
              run_in_parts([&] { return make_technique("frustum-traced", device); }, device, {vertices}, points, {},

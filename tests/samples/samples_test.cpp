@@ -589,6 +589,50 @@ TEST(Samples, OneSampleIsTheOrdinaryView) {
     }
 }
 
+TEST(Samples, ViewsHaveTheSamplesPoints) {
+    const gnomon::Device device = device_with();
+    const gnomon::Light light = gnomon::Light::directional({0.3f, -1, 0.2f});
+    for (const CameraScene& scene : scenes()) {
+        const Samples seen = sampled(device, scene, light, 8);
+        const auto triangles = gnomon::Triangles::upload(device, scene.triangles);
+        const gnomon::View view = gnomon::look(device, triangles, scene.camera(), scene.width, scene.height);
+        gnomon::SampleViews views(device, triangles, view, 8);
+        Samples by_views;
+        for (std::size_t i = 0; i < views.count(); ++i) {
+            const gnomon::PointsOnHost points = views.at(i).points.read(device);
+            append(by_views.position, points.position);
+            by_views.receiver.insert(by_views.receiver.end(), points.receiver.begin(), points.receiver.end());
+        }
+        EXPECT_EQ(by_views.receiver, seen.receiver) << scene.name;
+        ASSERT_EQ(by_views.position.size(), seen.position.size());
+        EXPECT_EQ(std::memcmp(by_views.position.data(), seen.position.data(), 4 * seen.position.size()), 0);
+    }
+}
+
+/// The share of the lights at each sample is their mean over single lights, of which each has the mean of its samples.
+TEST(Samples, SoftMeansAreThoseOfTheirLights) {
+    const gnomon::Device device = device_with();
+    const gnomon::Lights lights = gnomon::sun_disk({0.3f, -1, 0.2f}, 20, 4);
+    std::size_t partly = 0;
+    for (const CameraScene& scene : scenes()) {
+        const auto triangles = gnomon::Triangles::upload(device, scene.triangles);
+        const gnomon::View view = gnomon::look(device, triangles, scene.camera(), scene.width, scene.height);
+        const gnomon::Visibility mean(device, view.points.count());
+        const auto technique = gnomon::make_technique("frustum-traced", device);
+        gnomon::run_samples_mean(*technique, triangles, view, lights, 4, mean);
+        const std::vector<float> soft = mean.read();
+        std::vector<float> sum(soft.size());
+        for (const gnomon::Light& light : lights.lights()) {
+            gnomon::run_samples(*technique, triangles, view, light, 4, mean);
+            const std::vector<float> hard = mean.read();
+            for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += hard[i] / 4;  // sixteenths are exact
+        }
+        EXPECT_EQ(soft, sum) << scene.name;
+        partly += std::size_t(std::ranges::count_if(soft, [](float v) { return v != 0 && v != 1; }));
+    }
+    EXPECT_GT(partly, 100u);
+}
+
 TEST(Samples, SurvivesDegenerates) {
     const gnomon::Device device = device_with();
     CameraScene scene = scenes().front();

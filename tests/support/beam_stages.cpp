@@ -72,7 +72,7 @@ std::vector<std::uint32_t> BeamStage::all_open() const {
     std::vector<std::uint32_t> masks(mask_stride() * bundle_count(), CANARY);
     for (std::size_t bundle = 0; bundle < bundle_count(); ++bundle) {
         std::uint32_t lights = 0;
-        for (std::uint32_t slot = 0; slot < MOST_BUNDLE_LIGHTS; ++slot)
+        for (std::uint32_t slot = 0; slot < MAX_BUNDLE_LIGHTS; ++slot)
             if (light_of(bundle, slot) != gnomon::no_light) lights |= 1u << slot;
         std::fill_n(masks.begin() + std::ptrdiff_t(bundle * mask_stride()), point_count(), lights);
     }
@@ -177,7 +177,7 @@ TracedPairs expect_trace_holds(const BeamStage& stage, const std::vector<std::ui
                 continue;
             }
             const auto some = any_queued.find({bundle, p});
-            for (std::uint32_t slot = 0; slot < MOST_BUNDLE_LIGHTS; ++slot) {
+            for (std::uint32_t slot = 0; slot < MAX_BUNDLE_LIGHTS; ++slot) {
                 if ((before >> slot & 1) == 0) continue;
                 const std::uint32_t light = stage.light_of(bundle, slot), point = stage.point_of(p);
                 const auto& blocking = blockers[light * stage.point_count() + point];
@@ -203,7 +203,7 @@ void expect_decided(const BeamStage& stage, const std::vector<std::uint32_t>& gi
                     const std::vector<std::uint32_t>& masks, const Blockers& blockers) {
     for (std::size_t bundle = 0; bundle < stage.bundle_count(); ++bundle)
         for (std::size_t p = 0; p < stage.point_count(); ++p)
-            for (std::uint32_t slot = 0; slot < MOST_BUNDLE_LIGHTS; ++slot) {
+            for (std::uint32_t slot = 0; slot < MAX_BUNDLE_LIGHTS; ++slot) {
                 const std::size_t word = bundle * stage.mask_stride() + p;
                 if ((given[word] >> slot & 1) == 0) continue;
                 const std::uint32_t light = stage.light_of(bundle, slot), point = stage.point_of(p);
@@ -362,7 +362,7 @@ void expect_cases_hold(const gnomon::Device& device, BeamMethod method, bool are
         const BeamCase& one = cases[i];
         SCOPED_TRACE(one.scene.name);
         const Blockers blockers = blockers_of_pairs(one.scene, one.lights);
-        BeamStage many(device, one.scene, one.lights, method, MOST_BUNDLE_LIGHTS);
+        BeamStage many(device, one.scene, one.lights, method, MAX_BUNDLE_LIGHTS);
         pairs += expect_case_holds(many, many.all_open(), blockers);
         BeamStage few(device, one.scene, one.lights, method, 5);
         for (std::size_t lane = 0; lane < width; lane += is_cpu ? 1 : 11)
@@ -378,7 +378,7 @@ void expect_cases_hold(const gnomon::Device& device, BeamMethod method, bool are
 void expect_queue_grows(const gnomon::Device& device, BeamMethod method, bool are_positions) {
     const BeamCase one = beam_cases(are_positions).at(12);  // the fan
     const Blockers blockers = blockers_of_pairs(one.scene, one.lights);
-    BeamStage stage(device, one.scene, one.lights, method, MOST_BUNDLE_LIGHTS);
+    BeamStage stage(device, one.scene, one.lights, method, MAX_BUNDLE_LIGHTS);
     const auto given = stage.all_open();
     const TracedBeams first = stage.trace(given, 5);
     EXPECT_GT(first.counters.queued, 5u);

@@ -45,10 +45,10 @@ public:
     std::vector<std::uint32_t> all_open() const;
     std::size_t point_count() const { return points_.count(); }
     std::size_t bundle_count() const { return masks_.bundle_count(); }
-    std::size_t mask_stride() const { return masks_.most_points(); }
+    std::size_t mask_stride() const { return masks_.max_points(); }
     /// The light of a bundle's slot, or gnomon::no_light.
     std::uint32_t light_of(std::size_t bundle, std::uint32_t slot) const {
-        return masks_.slots()[bundle * MOST_BUNDLE_LIGHTS + slot];
+        return masks_.slots()[bundle * MAX_BUNDLE_LIGHTS + slot];
     }
     /// The number in the scene of point p of the masks.
     std::uint32_t point_of(std::size_t p) const { return order_[p]; }

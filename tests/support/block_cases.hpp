@@ -108,7 +108,7 @@ inline void set_lights(Random& random, BlockCase& of, bool are_positions, double
                                        : base[c] + spread * random.between(-1, 1));
         lights.push_back(are_positions ? gnomon::Light::point(v) : gnomon::Light::directional({-v[0], -v[1], -v[2]}));
     }
-    const gnomon::LightBundles bundles = gnomon::make_light_bundles(lights, MOST_BUNDLE_LIGHTS).value();
+    const gnomon::LightBundles bundles = gnomon::make_light_bundles(lights, MAX_BUNDLE_LIGHTS).value();
     of.bundle = bundles.bundles[0];
     for (std::uint32_t slot = 0; slot < of.bundle.light_count; ++slot)
         of.lights.push_back(lights[bundles.lights[slot]].xyzw);

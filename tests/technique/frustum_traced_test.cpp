@@ -50,7 +50,7 @@ void expect_exact(const LightScene& scene, const std::vector<Settings>& ways, An
 /// A scene for several lights.
 struct Scene : LightScene {
     std::vector<Light> lights{};
-    std::uint64_t least_uncertain = 0;  ///< pairs that the float filter must leave open, over all lights
+    std::uint64_t min_uncertain = 0;  ///< pairs that the float filter must leave open, over all lights
     bool both_answers = true;
 
     LightScene lit_by(const Light& one, const std::optional<Float3>& seen_from = std::nullopt) const {
@@ -101,7 +101,7 @@ Scene moved_and_scaled(const Scene& original, double scale, double offset) {
     const std::array<double, 3> by = {offset, -offset / 2, offset / 3};
     scene.triangles = placed(original.triangles, scale, by);
     scene.points = placed(original.points, scale, by);
-    scene.least_uncertain = 0;
+    scene.min_uncertain = 0;
     scene.lights.clear();
     for (Light light : original.lights) {
         if (light[3] != 0)
@@ -171,7 +171,7 @@ std::vector<Scene> general_scenes() {
     duplicates.points = random_points(500, -1.2f, 1.2f, 23);
     add_points_on_triangles(duplicates, 500, 24);
     duplicates.lights = {along(0, -1, 0), along(0.3f, -0.8f, 0.1f), along(1, 1, 0), at(0.3f, 1.5f, 0.1f)};
-    duplicates.least_uncertain = 500;
+    duplicates.min_uncertain = 500;
     scenes.push_back(duplicates);
 
     // Texels as large as a house; half the yard is covered.
@@ -248,7 +248,7 @@ TEST_P(ExactOn, EveryPointWithEveryLight) {
         EXPECT_GT(tally.lit, scene.points.size() / 100);
         EXPECT_GT(tally.shadowed, scene.points.size() / 100);
     }
-    EXPECT_GE(tally.uncertain, scene.least_uncertain);
+    EXPECT_GE(tally.uncertain, scene.min_uncertain);
 }
 
 std::string name_of(const testing::TestParamInfo<Scene>& info) {

@@ -15,6 +15,7 @@
 #include "bench/experiments.hpp"
 #include "bench/json.hpp"
 #include "bench/peers.hpp"
+#include "bench/thread_table.hpp"
 #include "support/leak_tracer.hpp"
 
 namespace gnomon::bench {
@@ -521,6 +522,34 @@ TEST(BenchParts, TimesOfPartsHoldTheBuild) {
     EXPECT_FALSE(still.build.has_value());
     EXPECT_EQ(still.frame->median_ms, 11);
     EXPECT_FALSE(to_json(still)["runs"].contains("build"));
+}
+
+// A rival's settings hold its number of threads; rows of one name are told apart by their order.
+TEST(BenchParts, ThreadTimesAreOfTheSameRowAndPart) {
+    const auto row = [](const char* technique, const char* settings, double ms, Json stages) {
+        Json json{{"scene", "s"},          {"view", "v"},      {"light", "l"},           {"width", 8},
+                  {"height", 4},           {"mode", "static"}, {"technique", technique}, {"settings", settings},
+                  {"ms", {{"median", ms}}}};
+        if (!stages.is_null()) json["stages_ms"] = std::move(stages);
+        return json;
+    };
+    const Json two{
+        {"rows",
+         {row("ours", "", 12, {{"facing", 3.0}, {"trace", 8.0}, {"clusters", 0.0}, {"once", 1.0}}),
+          row("rival", "build=low threads=2", 20, nullptr), row("rival", "build=high threads=2", 10, nullptr)}}};
+    const Json sixteen{
+        {"rows",
+         {row("ours", "", 3, {{"facing", 1.0}, {"trace", 2.0}, {"clusters", 0.0}}),
+          row("rival", "build=low threads=16", 5, nullptr), row("rival", "build=high threads=16", 2, nullptr)}}};
+    const std::vector<ThreadTimes> table = thread_times(std::vector<std::string>{two.dump(), sixteen.dump()});
+    const std::vector<std::pair<std::string, std::vector<double>>> wanted = {
+        {"shadow", {12, 3}}, {"  facing", {3, 1}}, {"  trace", {8, 2}}, {"shadow", {20, 5}}, {"shadow", {10, 2}}};
+    ASSERT_EQ(table.size(), wanted.size());
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+        EXPECT_EQ(table[i].part, wanted[i].first) << i;
+        EXPECT_EQ(table[i].ms, wanted[i].second) << i;
+    }
+    EXPECT_EQ(table[4].row, "s v.l 8x4 rival (static) build=high threads=2");
 }
 
 TEST(BenchParts, AFailureHasNoFigures) {

@@ -4,12 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstring>
 #include <iostream>
 #include <limits>
 #include <set>
 
 #include "support/expect_exact.hpp"
 #include "support/light_scenes.hpp"
+#include "support/terrains.hpp"
 #include "support/truth.hpp"
 
 namespace {
@@ -19,6 +21,14 @@ using namespace support;
 struct Tally {
     std::uint64_t by_trace = 0, by_exact = 0, queued = 0, lit = 0, by_integers = 0;
 };
+
+/// By bits, as the trace compares: -0 and 0 are one place, and such a pair is left to the exact predicate.
+bool has_corner_at(const LightScene& scene, std::uint32_t triangle, std::uint32_t point) {
+    const float* p = &scene.points[3 * std::size_t(point)];
+    for (std::size_t c = 0; c < 9; c += 3)
+        if (std::memcmp(p, &scene.triangles[9 * std::size_t(triangle) + c], 3 * sizeof(float)) == 0) return true;
+    return false;
+}
 
 /// After the trace: decided points are in shadow, and the queue has a blocking pair of every other shadowed point.
 void check_trace(const gnomon::Device& device, const LightScene& scene, Tally& tally) {
@@ -57,6 +67,7 @@ void check_trace(const gnomon::Device& device, const LightScene& scene, Tally& t
             ASSERT_LT(point, count);
             ASSERT_LT(id, scene.triangles.size() / 9);
             EXPECT_TRUE(scene.receivers.empty() || scene.receivers[point] != id) << "a receiver was queued";
+            EXPECT_FALSE(has_corner_at(scene, id, point)) << "a triangle of a point's own fan was queued";
             const reference::Triangle t = reference::triangle_at(scene.triangles, id);
             if (exact_pair(t, reference::point_at(scene.points, point), scene.light).blocks) waiting.insert(point);
         }
@@ -121,6 +132,19 @@ TEST(Trace, FilterSaysOnlyWhatIsCertain) {
     for (std::size_t i = 0; i < scenes.size(); i += 2) check_trace(device, scenes[i], tally);
     EXPECT_GT(tally.by_trace, 2000u);
     EXPECT_GT(tally.queued, 2000u);
+}
+
+// Each point is a corner of up to six triangles, of whose plane the filter is never certain.
+TEST(Trace, AFanIsNotQueued) {
+    const gnomon::Device device = device_with();
+    const Floats triangles = rough_terrain(117, 0.3f).triangles();
+    for (const auto& [name, light] : lights_of_every_kind()) {
+        LightScene scene{"terrain, " + name, triangles, {}, light};
+        for (std::size_t i = 0; i < triangles.size(); i += 63) add(scene.points, vertex(triangles, i / 3));
+        Tally tally;
+        check_trace(device, scene, tally);
+        check_answers(scene, run_light_stages(device, scene), tally);
+    }
 }
 
 LightScene comparison_scene(const Light& light) {

@@ -56,9 +56,9 @@ scene::Scene made(const std::string& recipe_name, const std::string& count) {
         throw InvalidArgument("a made scene is RECIPE:TRIANGLES, not \"" + recipe_name + ":" + count + "\"");
     for (const make_scenes::Recipe& recipe : make_scenes::recipes()) {
         if (recipe.name != recipe_name) continue;
-        if (triangles < recipe.fewest_triangles || triangles > recipe.most_triangles)
+        if (triangles < recipe.fewest_triangles || triangles > recipe.max_triangles)
             throw InvalidArgument(fmt::format("{} takes {} to {} triangles, not {}", recipe_name,
-                                              recipe.fewest_triangles, recipe.most_triangles, count));
+                                              recipe.fewest_triangles, recipe.max_triangles, count));
         make_scenes::Scene scene = recipe.make({triangles, 1});
         scene.name = recipe.name;
         const auto file =

@@ -18,6 +18,7 @@
 #include "experiments.hpp"
 #include "json.hpp"
 #include "machine.hpp"
+#include "thread_table.hpp"
 
 namespace {
 
@@ -40,7 +41,7 @@ struct Options {
     std::optional<std::uint64_t> largest_triangles, largest_points;
     std::optional<int> runs;
     std::optional<double> seconds;
-    unsigned threads = 0;
+    std::vector<unsigned> threads{0};
     std::uint64_t oracle_points = 0;
     bool stages = false, sweep = false, errors = false, peers = false, full = false;
 
@@ -191,11 +192,12 @@ bool all_well(const std::vector<Row>& rows) {
 }
 
 int run(const Options& options) {
-    if (options.threads != 0) setenv("POCL_MAX_PTHREAD_COUNT", std::to_string(options.threads).c_str(), 1);
+    const unsigned threads = options.threads.front();
+    if (threads != 0) setenv("POCL_MAX_PTHREAD_COUNT", std::to_string(threads).c_str(), 1);
     SceneShelf shelf(options.views_file, options.scenes_folder);
     const std::vector<Block> blocks = all_blocks(options, shelf);
-    const nlohmann::ordered_json machine = machine_json(options.threads);
-    Runner runner(shelf, {options.devices, rule_of(options), options.threads}, print);
+    const nlohmann::ordered_json machine = machine_json(threads);
+    Runner runner(shelf, {options.devices, rule_of(options), threads}, print);
     for (const Block& block : blocks) {
         runner.run(block);
         write_outputs(options, machine, runner.rows());  // a run that is cut short leaves what it has
@@ -269,7 +271,10 @@ int main(int argc, char** argv) {
     app.add_option("--seconds", options.seconds,
                    "no more runs of the same after this time (but at least 3 where they do not take thrice as long); "
                    "default 4, of small experiments 0.2");
-    app.add_option("--threads", options.threads, "CPU threads of PoCL and of the rivals; 0: all")
+    app.add_option(
+           "--threads", options.threads,
+           "CPU threads of PoCL and of the rivals; 0: all; repeatable: a run with each, and a table of what each part "
+           "gains (with --stages, each stage)")
         ->capture_default_str();
     app.add_option("--device", options.devices, "as in gnomon devices, repeatable");
     app.add_option("--json", options.json_file, "write all rows there, for tools/report.py");
@@ -277,6 +282,7 @@ int main(int argc, char** argv) {
     app.add_flag("--stages", options.stages, "also run with profiling: each stage's time");
     try {
         app.parse(argc, argv);
+        if (options.threads.size() > 1) return run_with_each(options.threads, {argv, std::size_t(argc)});
         return run(options);
     } catch (const CLI::ParseError& error) {
         return app.exit(error) == 0 ? 0 : 2;

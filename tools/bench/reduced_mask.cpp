@@ -10,7 +10,7 @@ namespace gnomon::bench {
 
 namespace {
 
-constexpr std::uint32_t most_columns = 640;
+constexpr std::uint32_t max_columns = 640;
 
 int of_255(double share) { return static_cast<int>(std::lround(255 * std::clamp(share, 0.0, 1.0))); }
 
@@ -28,7 +28,7 @@ ReducedMask reduced_mask(std::span<const float> mask, std::span<const float> tru
         double visibility = 0, worst = 0;
         std::size_t points = 0;
     };
-    const std::uint32_t side = (width + most_columns - 1) / most_columns;
+    const std::uint32_t side = (width + max_columns - 1) / max_columns;
     ReducedMask reduced{(width + side - 1) / side, (height + side - 1) / side, {}, {}};
     std::vector<Block> blocks(std::size_t(reduced.width) * reduced.height);
     for (std::uint32_t y = 0; y < height; ++y)

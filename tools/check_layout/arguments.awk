@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # Prints "COUNT NAME FILE" for each kernel of the given files: the arguments in its head, local memory included. Where a
-# macro stands in the head, its longest definition counts.
+# macro stands in the head, its longest definition counts; GN_SHARES, of CPUs alone, does not.
 
 # Commas outside of brackets, those of macros in the text included.
 function commas(text, level,    n, rest, name, depth) {
@@ -12,11 +12,11 @@ function commas(text, level,    n, rest, name, depth) {
         if (name == "(") ++depth
         else if (name == ")") --depth
         else if (name == ",") { if (!depth) ++n }
-        else if ((name in bodies) && level < 4) n += most_commas(name, level + 1)
+        else if ((name in bodies) && name != "GN_SHARES" && level < 4) n += max_commas(name, level + 1)
     }
     return n
 }
-function most_commas(name, level,    i, n, most) {
+function max_commas(name, level,    i, n, most) {
     most = 0
     for (i = 1; i <= bodies[name]; ++i) if ((n = commas(body[name, i], level)) > most) most = n
     return most

@@ -83,7 +83,7 @@ private:
 /// How finely pipes are cut, and what a lattice point of pipe then costs at most and about.
 struct Detail {
     int sides, elbow_segments;
-    std::uint64_t most_per_cell() const { return static_cast<std::uint64_t>(2 * sides * (elbow_segments + 1)); }
+    std::uint64_t max_per_cell() const { return static_cast<std::uint64_t>(2 * sides * (elbow_segments + 1)); }
     std::uint64_t about_per_cell() const { return static_cast<std::uint64_t>(sides) * 9 / 2; }
 };
 
@@ -310,7 +310,7 @@ Scene make_pipes(const Request& request) {
 
     // Lay pipes until what is left is 3 % or a full lattice: 200 starts in a row that found no room.
     const std::uint64_t for_gratings = request.triangles * 3 / 100;
-    const std::uint64_t per_cell = detail.most_per_cell();
+    const std::uint64_t per_cell = detail.max_per_cell();
     const std::uint64_t ends = static_cast<std::uint64_t>(12 * detail.sides);
     std::uint64_t left = missing_triangles(scene, request.triangles);
     for (int failures = 0; failures < 200 && left > for_gratings + ends + 3 * per_cell;) {

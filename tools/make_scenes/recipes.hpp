@@ -22,7 +22,7 @@ struct Recipe {
     bool is_committed = true;             ///< small: lies in scenes/ and is written by --all
     bool has_seed = false;                ///< something in it is random
     std::uint32_t default_triangles = 0;  ///< 0: the size is fixed
-    std::uint32_t fewest_triangles = 0, most_triangles = 0;
+    std::uint32_t fewest_triangles = 0, max_triangles = 0;
 };
 
 /// All recipes, small ones first, in the order they are listed.

@@ -20,9 +20,9 @@ struct ColorTexture {
     std::uint32_t width = 0, height = 0;
     std::span<const std::uint8_t> rgba;
 };
-/// How texels smaller than pixels are filtered: over the pixel's area, through all levels of half the size (as trilinear
-/// filters do, along the area's longer axis); or, at the pixel's centre alone, the bilinear mean of four texels or the
-/// nearest one.
+/// How texels smaller than pixels are filtered: over the pixel's area, through all levels of half the size (as
+/// trilinear filters do, along the area's longer axis); or, at the pixel's centre alone, the bilinear mean of four
+/// texels or the nearest one.
 enum class TextureMinification : std::uint8_t { mean, linear, nearest };
 /// How a material takes its texture. Its colours are filtered in linear light; `filter` is for texels larger than
 /// pixels.
@@ -93,7 +93,7 @@ public:
     cl_mem normals() const;                 ///< the shading normals, 3 floats per pixel
     std::uint64_t texture_bytes() const;    ///< device memory of the textures
     std::uint32_t left_out_levels() const;  ///< the finest ones, of each texture; 0: none
-    SurfacesOnHost read() const;
+    SurfacesOnHost read() const;            ///< waits until the device has made them, and copies them
 
     struct Inside;  ///< for the library's own use
     const Inside& inside() const { return *inside_; }
@@ -131,6 +131,23 @@ Picture shade(const Surfaces& surfaces, std::span<const Visibility> visibilities
 /// complete when the device's queue has executed it. Throws InvalidArgument also if the buffer is too small.
 double shade_into(cl_mem rgba, const Surfaces& surfaces, std::span<const Visibility> visibilities,
                   std::span<const Light> lights, const ShadeOptions& options = {});
+/// The mean of pictures of one size, such as those of SampleViews, of the light after the tone curve.
+class PictureMean {
+public:
+    /// Throws InvalidArgument if `pictures` is 0.
+    PictureMean(const Device& device, std::size_t pixels, std::uint32_t pictures);
+    ~PictureMean();
+    /// Adds the picture that shade() would make. Returns its exposure: give the first picture's to the others. Throws
+    /// InvalidArgument as shade() does, if the surfaces have another number of pixels, or if all pictures were added.
+    double add(const Surfaces& surfaces, std::span<const Visibility> visibilities, std::span<const Light> lights,
+               const ShadeOptions& options = {});
+    /// 8-bit sRGB, 4 bytes (RGBA) per pixel. Waits. Throws InvalidArgument if a picture is missing.
+    std::vector<std::uint8_t> read() const;
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
 /// The same with base colours alone, as 8-bit sRGB, 4 bytes (RGBA) per pixel.
 std::vector<std::uint8_t> shade(const Device& device, const Triangles& triangles, const View& view,
                                 std::span<const Visibility> visibilities, const Materials& materials,

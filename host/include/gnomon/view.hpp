@@ -24,6 +24,8 @@ struct ViewOnHost {
 class View {
 public:
     std::uint32_t width = 0, height = 0;
+    SampleOffset offset{};  ///< of the points from their pixels' centres
+    float pixel_share = 1;  ///< the side of the square that a point stands for, in pixels
     Points points;          ///< width * height; absent (NaN) where the pixel shows the sky
     Statistics statistics;  ///< of the camera stages
     /// Waits for the queue and copies to the host. `triangles` are those that look() saw.
@@ -79,6 +81,24 @@ using SampleSink = std::function<void(const Points& points)>;
 /// InvalidArgument like sample_pattern(), or if `mean` has fewer entries than the view has pixels.
 Statistics run_samples(Technique& technique, const Triangles& triangles, const View& view, const Light& light,
                        std::uint32_t samples, const Visibility& mean, const SampleSink& sink = {});
+/// The same for soft shadows: each sample's visibility is that of run_mean(). Every sample becomes a point.
+Statistics run_samples_mean(Technique& technique, const Triangles& triangles, const View& view, const Lights& lights,
+                            std::uint32_t samples, const Visibility& mean, const SampleSink& sink = {});
+
+/// The points of run_samples() as views, a sample of every pixel at a time: for smooth pictures (PictureMean).
+class SampleViews {
+public:
+    /// `view` must come from look(), of these triangles. Throws InvalidArgument like sample_pattern().
+    SampleViews(const Device& device, const Triangles& triangles, const View& view, std::uint32_t samples);
+    ~SampleViews();
+    std::size_t count() const;
+    /// The view of sample i, below count(). Its buffers are used again by the next call, and end with this object.
+    View at(std::size_t i);
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
 
 // ---- Scenes larger than the device's memory -------------------------------------------------------------------------
 

@@ -907,14 +907,20 @@ class View:
         samples: int = 1,
         technique: str | Technique = EXACT,
     ) -> NDArray[np.uint8]:
-        """(H, W, 4) RGBA: Lambert's law with the shadows, and ambient light, in sRGB."""
+        """(H, W, 4) RGBA: Lambert's law with the shadows, and ambient light, in sRGB. samples: 1, 4, 8, 16
+        or 32 per pixel; the result is the mean of their colours."""
         light = _world.light_of(self._origin, direction, position)
-        values = self._values(light, samples, technique)
         material = self._material if self._material is not None else np.zeros(self._count, np.uint32)
         upload = self._upload
+        values = self._values(light, 1, technique) if samples == 1 else None
 
         def shade() -> NDArray[np.uint8]:
             appearance = upload.appearance(material, self._base_color)
+            if samples != 1:
+                chosen = upload.technique(_technique_of(technique))
+                return _gnomon.smooth_picture(
+                    appearance, chosen, upload.triangles, self._seen, light, int(samples)
+                )
             return _gnomon.shade(appearance, upload.triangles, self._seen, [values], [light])
 
         return upload.device.call(shade)

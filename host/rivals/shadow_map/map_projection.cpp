@@ -84,9 +84,7 @@ PointInputs vertices_of(const TriangleInputs& triangles) {
 }
 
 // Texel centres of all views, before the tables of warps.
-std::size_t centre_floats(const ViewPlan& plan) {
-    return std::size_t(plan.view_count) * 2 * MOST_SIDES * plan.map_size;
-}
+std::size_t centre_floats(const ViewPlan& plan) { return std::size_t(plan.view_count) * 2 * MAX_SIDES * plan.map_size; }
 
 bool warps_faces(const ViewPlan& plan) {
     return plan.partition == PARTITION_CUBE && plan.projection == PROJECTION_LISPSM && plan.fit == FIT_RECEIVERS;
@@ -101,7 +99,7 @@ MapSet map_set(const ViewPlan& plan) {
     if (plan.atlas_columns != 0)
         set.texels = (plan.view_count + plan.atlas_columns - 1) / plan.atlas_columns * plan.atlas_columns * even;
     if (plan.shares_resolution != 0) {
-        set.texels += plan.view_count * LEAST_SIDE * MOST_SIDES * plan.map_size;
+        set.texels += plan.view_count * MIN_SIDE * MAX_SIDES * plan.map_size;
         set.texels_per_view = set.texels;
     }
     set.has_camera = plan.eye[3] != 0;
@@ -141,7 +139,7 @@ const SettingsTable<ViewFit::Settings>& ViewFit::settings_table() {
          setting::choice_or_auto(&S::set_partition, partitions)},
         {{"depth-range", "auto", "points (as far as shading points reach), planes (near to far) or auto"},
          setting::choice_or_auto(&S::set_range, ranges)},
-        {{"cascades", "1", "slices of camera depth, 1 to 8"}, setting::whole(&S::cascades, 1, MOST_VIEWS)},
+        {{"cascades", "1", "slices of camera depth, 1 to 8"}, setting::whole(&S::cascades, 1, MAX_VIEWS)},
         {{"lambda", "0.5", "split scheme, from 0 (even) to 1 (logarithmic)"}, setting::number(&S::lambda, 0, 1)},
         {{"overlap", "0.02", "each slice covers this share more at both ends, for filters, 0 to 1"},
          setting::number(&S::overlap, 0, 1)},

@@ -36,7 +36,7 @@ constexpr std::string_view sizes[] = {"128", "256", "512", "1024", "2048", "4096
 constexpr std::uint64_t first_pairs = 1u << 18;
 
 // Texels are counted in 32 bits.
-constexpr std::uint32_t most_pages = 0xFFFFFFFFu / PAGE_TEXELS;
+constexpr std::uint32_t max_pages = 0xFFFFFFFFu / PAGE_TEXELS;
 
 struct Settings : VirtualPlan {
     std::uint32_t size;
@@ -207,9 +207,9 @@ private:
         page_of_.reserve(session_, (std::size_t(entries) + 1) * sizeof(cl_uint));
         scan_.run(session_, entries, 1, requested_, page_of_);
         const cl_uint pages = counted_.pages_requested;
-        if (pages > most_pages)
+        if (pages > max_pages)
             throw InvalidArgument("the points request " + std::to_string(pages) + " pages of a virtual map of size " +
-                                  std::to_string(settings_.size) + ", and there can be " + std::to_string(most_pages) +
+                                  std::to_string(settings_.size) + ", and there can be " + std::to_string(max_pages) +
                                   ": set a smaller size or detail");
         pages_.reserve(session_, pages * sizeof(MapView));
         page_entries_.reserve(session_, pages * sizeof(cl_uint));

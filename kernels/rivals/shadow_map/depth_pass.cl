@@ -22,13 +22,13 @@ static void cover_cluster(const Drawing* d, size_t first, int lane, ClusterCover
         high_x = max(high_x, LANES_SELECT(high_x, c.covered.high_x, lanes));
         high_y = max(high_y, LANES_SELECT(high_y, c.covered.high_y, lanes));
         large |= lanes & large_lanes(&c.covered);
-        least = fmin(least, LANES_SELECT(least, c.least_depth, lanes));
+        least = fmin(least, LANES_SELECT(least, c.min_depth, lanes));
     }
     LANE_OF_INT(covers->covered.low_x, lane) = LANES_MINIMUM(low_x);
     LANE_OF_INT(covers->covered.low_y, lane) = LANES_MINIMUM(low_y);
     LANE_OF_INT(covers->covered.high_x, lane) = LANES_MAXIMUM(high_x);
     LANE_OF_INT(covers->covered.high_y, lane) = LANES_MAXIMUM(high_y);
-    LANE_OF_FLOAT(covers->least_depth, lane) = LANES_LEAST(least);
+    LANE_OF_FLOAT(covers->min_depth, lane) = LANES_LEAST(least);
     LANE_OF_INT(covers->has_large, lane) = LANES_ANY(large) ? -1 : 0;
 }
 
@@ -175,7 +175,7 @@ __kernel void depth_pass_chunks(DepthPass pass, __global const float* vertices, 
                                 __global const float* tables, __global const uint* nearest, __global uint* output,
                                 __global const uint2* chunks, __global const uint* chunk_count,
                                 volatile __global uint* tile_keys) {
-    __local uint is_drawn[MOST_TILES];
+    __local uint is_drawn[MAX_TILES];
     Drawing d = {pass, triangles_of(vertices, pass.triangles), views, tables, nearest, output};
     d.home = (uint2)(0);
     d.reach = WHOLE_MAP;

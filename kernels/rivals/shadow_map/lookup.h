@@ -16,7 +16,7 @@
 #define LOOKUP_PCSS 5u       // kernel as wide as the penumbra estimated from the blockers (Fernando 2005)
 #define LOOKUP_PCSS_GRID 6u  // the same, the taps on one grid for all points
 
-#define MOST_TAPS 33
+#define MAX_TAPS 33
 
 GN_STRUCT_BEGIN(LookupPlan)
     ulong first_float;  // where the triangles begin in their buffer

@@ -57,7 +57,7 @@ typedef struct SceneBox {
 // All positions are relative to the middle of the scene, so that offsets stay small far from the world's origin.
 static SceneBox scene_box(KeyBounds bounds) {
     if (is_empty(&bounds)) return (SceneBox){(float3)(0.0f), (float3)(0.0f), (float3)(0.0f), 1.0f};
-    float3 low = (float3)(least_of(&bounds, 0), least_of(&bounds, 1), least_of(&bounds, 2));
+    float3 low = (float3)(min_of(&bounds, 0), min_of(&bounds, 1), min_of(&bounds, 2));
     float3 high = (float3)(greatest_of(&bounds, 0), greatest_of(&bounds, 1), greatest_of(&bounds, 2));
     float3 origin = 0.5f * low + 0.5f * high, extent = high - low;
     float diagonal = fmax(sqrt(dot3(extent, extent)), 1.0e-18f), margin = 1.0e-4f * diagonal;
@@ -225,7 +225,7 @@ static Rectangle quantised_bounds(const ViewPlan* plan, const PlannedView* view,
 static Rectangle fitted_rectangle(const ViewPlan* plan, const PlannedView* view, SceneBox scene, const Polyhedron* body,
                                   KeyBounds points) {
     if (plan->fit == FIT_RECEIVERS || !has_camera(plan)) {
-        Rectangle r = {(float2)(least_of(&points, 0), least_of(&points, 1)),
+        Rectangle r = {(float2)(min_of(&points, 0), min_of(&points, 1)),
                        (float2)(greatest_of(&points, 0), greatest_of(&points, 1))};
         return with_rim(r, view, plan->map_size);
     }
@@ -250,7 +250,7 @@ static float2 depths_of_box(const PlannedView* view, SceneBox scene) {
 // Depths that the map resolves: the receivers' depths or, if the map must not follow the camera, the depths of the
 // whole scene. Nearer casters are clamped to depth 0, unless the lookup measures their distance.
 static float2 fitted_depths(const ViewPlan* plan, const PlannedView* view, SceneBox scene, KeyBounds points) {
-    float low = least_of(&points, 2), high = greatest_of(&points, 2);
+    float low = min_of(&points, 2), high = greatest_of(&points, 2);
     float2 box = depths_of_box(view, scene);
     if (plan->fit >= FIT_CASTERS && plan->partition <= PARTITION_DEPTH)
         low = box.x, high = box.y;
@@ -300,7 +300,7 @@ static MapView map_view_of(const ViewPlan* plan, const PlannedView* view, uint i
     map.blend_from = map.select_far;
     map.face = view->face;
     map.warp_size = map.forward_first = map.padding[0] = map.padding[1] = 0;
-    map.centres_first = i * 2 * MOST_SIDES * plan->map_size;
+    map.centres_first = i * 2 * MAX_SIDES * plan->map_size;
     map.width = map.height = plan->map_size;
     map.row_stride = plan->map_size;
     map.first_texel = i * plan->map_size * plan->map_size;
@@ -370,7 +370,7 @@ __kernel void map_projection_share(ViewPlan plan, __global const PlannedView* pl
     float sum = 0.0f;
     for (uint i = 0; i < plan.view_count; ++i) sum += planned[FIRST_VIEW + i].error_u * planned[FIRST_VIEW + i].error_v;
     float texels = (float)plan.view_count * (float)plan.map_size * (float)plan.map_size;
-    float bias = sqrt((1.0f - plan.alpha) / plan.alpha), most = (float)(MOST_SIDES * plan.map_size);
+    float bias = sqrt((1.0f - plan.alpha) / plan.alpha), most = (float)(MAX_SIDES * plan.map_size);
     uint first = 0;
     for (uint i = 0; i < plan.view_count; ++i) {
         float error_u = planned[FIRST_VIEW + i].error_u, error_v = planned[FIRST_VIEW + i].error_v;
@@ -378,8 +378,8 @@ __kernel void map_projection_share(ViewPlan plan, __global const PlannedView* pl
         map->first_texel = first;
         if (map->width == 0) continue;
         float even = sqrt(texels / sum);
-        map->width = (uint)clamp(even * error_u * bias, (float)LEAST_SIDE, most);
-        map->height = (uint)clamp(even * error_v / bias, (float)LEAST_SIDE, most);
+        map->width = (uint)clamp(even * error_u * bias, (float)MIN_SIDE, most);
+        map->height = (uint)clamp(even * error_v / bias, (float)MIN_SIDE, most);
         map->row_stride = map->width;
         first += map->width * map->height;
     }

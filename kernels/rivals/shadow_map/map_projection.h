@@ -51,11 +51,11 @@
 #define RANGE_POINTS 0u  // the slices divide the range of the points' depths (Lauritzen, Salvi, Lefohn 2011)
 #define RANGE_PLANES 1u  // the slices divide near_plane to far_plane
 
-#define MOST_VIEWS 8u
+#define MAX_VIEWS 8u
 // If a view shares texels with other views, its side is at most this many times the side of an even share.
-#define MOST_SIDES 4u
+#define MAX_SIDES 4u
 // Its side has at least this many texels: beside its even shares the map has room for one row of that height per view.
-#define LEAST_SIDE 16u
+#define MIN_SIDE 16u
 
 // Depth range of the receivers: a thirty-second of the range stays free before the nearest receiver, so that a caster
 // clamped to the near plane is before every receiver by more than any bias; and behind the farthest, so that the map
@@ -118,7 +118,7 @@ GN_STRUCT_END(ViewRange, 12)
 #define FIRST_VIEW 2
 
 static bool is_empty(const KeyBounds* bounds) { return bounds->least[0] == 0xFFFFFFFFu; }
-static float least_of(const KeyBounds* bounds, uint i) { return key_to_float(bounds->least[i]); }
+static float min_of(const KeyBounds* bounds, uint i) { return key_to_float(bounds->least[i]); }
 static float greatest_of(const KeyBounds* bounds, uint i) { return -key_to_float(bounds->least[i + 4]); }
 
 #endif

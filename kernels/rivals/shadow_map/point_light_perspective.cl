@@ -20,8 +20,7 @@ static FaceWarp make_warp(const KeyBounds* box, uint direction) {
     float angle = 2.0f * (float)direction / (float)WARP_DIRECTIONS;
     warp.along = (float2)(cospi(angle), sinpi(angle));
     warp.across = (float2)(-warp.along.y, warp.along.x);
-    float2 low = (float2)(least_of(box, 0), least_of(box, 1)),
-           high = (float2)(greatest_of(box, 0), greatest_of(box, 1));
+    float2 low = (float2)(min_of(box, 0), min_of(box, 1)), high = (float2)(greatest_of(box, 0), greatest_of(box, 1));
     float2 middle = 0.5f * (low + high), half_size = 0.5f * (high - low);
     float reach = fabs(warp.along.x) * half_size.x + fabs(warp.along.y) * half_size.y;
     warp.line = dot2(warp.along, middle) - reach;

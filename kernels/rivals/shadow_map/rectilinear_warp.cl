@@ -148,7 +148,7 @@ __kernel void rectilinear_tables(WarpPlan warp, __global const uint* importance,
     float largest = 0.0f, sum = 0.0f;
     for (uint i = 0; i < WARP_SEGMENTS; ++i) largest = fmax(largest, shares[i]);
     // If no point gives importance, all columns have the same importance.
-    float least = largest > 0.0f ? LEAST_IMPORTANCE * largest : 1.0f;
+    float least = largest > 0.0f ? MIN_IMPORTANCE * largest : 1.0f;
     for (uint i = 0; i < WARP_SEGMENTS; ++i) {
         shares[i] = fmax(shares[i], least);
         sum += shares[i];

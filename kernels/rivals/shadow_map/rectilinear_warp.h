@@ -16,7 +16,7 @@
 //   edge      1 + EDGE_GAIN where depth jumps to one of the 8 neighbours, by more than its slope explains (forward
 //             only)
 //   normal    1 + NORMAL_GAIN max(0, -n . view), n towards the eye: more where the surface is seen face on
-// A cell without importance keeps LEAST_IMPORTANCE of the largest, so that tables rise strictly. Texels are rasterized
+// A cell without importance keeps MIN_IMPORTANCE of the largest, so that tables rise strictly. Texels are rasterized
 // where the warp puts them (map_view.h): the errors of the original's coarse tessellation do not arise.
 #pragma once
 
@@ -25,7 +25,7 @@
 #define WARP_SEGMENTS 256u
 #define BLUR_SIGMA 3.0f  // cells
 #define BLUR_REACH 9     // cells
-#define LEAST_IMPORTANCE 0.02f
+#define MIN_IMPORTANCE 0.02f
 #define EDGE_GAIN 2.0f
 #define NORMAL_GAIN 2.0f  // beta of the paper
 #define EDGE_JUMP 0.005f  // depth, of the receivers' range

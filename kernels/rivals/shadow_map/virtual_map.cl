@@ -198,7 +198,7 @@ __kernel void virtual_map_scatter(VirtualPass all, __global const float* vertice
 __kernel void virtual_map_pairs(VirtualPass all, __global const float* vertices, __global const float* tables,
                                 __global const uint* page_of, __global const MapView* pages, __global uint* keys,
                                 __global const VirtualCounters* counters, __global const uint2* pairs) {
-    __local uint is_drawn[MOST_TILES];
+    __local uint is_drawn[MAX_TILES];
     DepthPass pass = all.pass;
     Drawing d = {pass, triangles_of(vertices, pass.triangles), pages, tables, keys, keys};
     d.reach = WHOLE_MAP;

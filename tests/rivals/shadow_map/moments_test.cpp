@@ -94,7 +94,7 @@ Texel texel_of(const Map& map, int x, int y, const Plane& plane) {
 // ---- The published formulas -----------------------------------------------------------------------------------------
 
 // Setting moment-bias, larger than the presets' own: rounding of floats then moves no value by 1e-3.
-constexpr double least_deviation = 3e-3, least_share = 3e-5;
+constexpr double min_deviation = 3e-3, min_share = 3e-5;
 
 struct Formula {
     std::string technique;
@@ -131,7 +131,7 @@ Formula variance_formula(const std::string& technique) {
             [](const Texel& texel) {
                 return two_moments({texel.depth, texel.slope2}, 0, 1);
             },
-            [](const auto& m, double t) { return chebyshev(m[0], m[1], t, least_deviation); }};
+            [](const auto& m, double t) { return chebyshev(m[0], m[1], t, min_deviation); }};
 }
 
 /// Layers of equal length, each reaching half of it back into the one before (Lauritzen and McCool 2008).
@@ -150,7 +150,7 @@ Formula layered_formula(int layers) {
                 const int l = std::clamp(int(t * layers), 0, layers - 1);
                 const double length = high(l) - low(l);
                 return chebyshev(m[2 * l], m[2 * l + 1], std::clamp((t - low(l)) / length, 0.0, 1.0),
-                                 least_deviation / length);
+                                 min_deviation / length);
             }};
 }
 
@@ -223,7 +223,7 @@ Formula moments_formula() {
             [](const auto& m, double t) {
                 const double mixed[4] = {0, 0.375, 0, 0.375};
                 std::array<double, 4> b;
-                for (int i = 0; i < 4; ++i) b[i] = m[i] + least_share * (mixed[i] - m[i]);
+                for (int i = 0; i < 4; ++i) b[i] = m[i] + min_share * (mixed[i] - m[i]);
                 return 1 - hamburger(b, 2 * t - 1);
             }};
 }

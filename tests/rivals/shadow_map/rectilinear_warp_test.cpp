@@ -73,7 +73,7 @@ TEST(RectilinearWarp, TexelsAreSharedInProportionToImportance) {
             shares[i] /= weights;
         }
         const double largest = *std::max_element(shares.begin(), shares.end());
-        for (double& share : shares) sum += share = std::max(share, LEAST_IMPORTANCE * largest);
+        for (double& share : shares) sum += share = std::max(share, MIN_IMPORTANCE * largest);
         const auto table = table_of(fitted, view, axis);
         EXPECT_EQ(table.front(), 0);
         EXPECT_EQ(table.back(), 1);
@@ -105,8 +105,8 @@ TEST(RectilinearWarp, ForwardAnalysisKnowsWhatIsInView) {
                      outside_u = density(fitted, 0, {x + 20 * side, 0, z});
         const double inside_v = density(fitted, 1, {x, 0, z + 6.5 * side}),
                      outside_v = density(fitted, 1, {x, 0, z + 16 * side});
-        EXPECT_NEAR(outside_u / inside_u, LEAST_IMPORTANCE, 0.01);
-        EXPECT_NEAR(outside_v / inside_v, LEAST_IMPORTANCE, 0.01);
+        EXPECT_NEAR(outside_u / inside_u, MIN_IMPORTANCE, 0.01);
+        EXPECT_NEAR(outside_v / inside_v, MIN_IMPORTANCE, 0.01);
     }
 }
 
