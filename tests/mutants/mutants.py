@@ -36,7 +36,7 @@ def plant(fault, folder):
 
 
 def is_noticed(check, folder, build):
-    """True if the check, which passes with the right kernels, fails with those in `folder`."""
+    """True if the check fails with the kernels in `folder`. (With the right ones it passes, or another test fails.)"""
     environment = {**os.environ, "GNOMON_KERNELS_DIR": str(folder), "GNOMON_PREDICATE_TRIALS": "20000",
                    "GNOMON_CACHE_DIR": os.environ.get("GNOMON_CACHE_DIR", str(build / "test_kernel_cache"))}
     if check[0] == "proof":
