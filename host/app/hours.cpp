@@ -10,6 +10,7 @@
 #include "options.hpp"
 #include "output_files.hpp"
 #include "pictures.hpp"
+#include "scene/number_table.hpp"
 #include "setup.hpp"
 #include "suns.hpp"
 #include "terminal.hpp"
@@ -23,29 +24,21 @@ struct OwnPoints {
 };
 
 OwnPoints read_points(const std::filesystem::path& file) {
-    const NumberTable rows(file, {"x", "y", "z", "nx", "ny", "nz"});
-    const char* const names[] = {"x", "y", "z", "nx", "ny", "nz"};
-    const bool has_normals =
-        std::ranges::all_of(std::span(names).subspan(3), [&](auto name) { return rows.has(name); });
-    for (const char* name : std::span(names).first(3))
-        if (!rows.has(name))
-            throw Error(file.string() + ": points need the columns x, y, z, and nx, ny, nz for the side they face");
+    const std::vector<std::string> positions{"x", "y", "z"}, all{"x", "y", "z", "nx", "ny", "nz"};
+    const scene::NumberTable rows(table_file_text(file), file.string(), {{positions, all}, scene::point_headings()});
+    rows.require(positions, "points need the columns x, y, z, and nx, ny, nz for the side that they face");
+    const bool has_normals = rows.has("nx") && rows.has("ny") && rows.has("nz");
     OwnPoints points;
     for (std::size_t row = 0; row < rows.rows(); ++row)
-        for (std::size_t c = 0; c < (has_normals ? 6u : 3u); ++c) {
-            const float value = float(rows.number(row, names[c]));
-            if (!std::isfinite(value)) rows.refuse(row, std::string(names[c]) + " beyond float32");
-            (c < 3 ? points.positions : points.normals).push_back(value);
-        }
+        for (std::size_t c = 0; c < (has_normals ? 6u : 3u); ++c)
+            (c < 3 ? points.positions : points.normals).push_back(rows.float_number(row, all[c]));
     return points;
 }
 
 SunTable suns_of(const HoursOptions& options) {
     SunTable table = options.directions ? read_suns(*options.directions, options.north_degrees)
                                         : suns_of_place(*options.place, options.north_degrees);
-    if (table.suns.empty())
-        throw Error(table.below_horizon == 0 ? options.directions->string() + " has no suns"
-                                             : "no sun of the table is above the horizon");
+    if (table.suns.empty() && table.below_horizon == 0) throw Error(options.directions->string() + " has no suns");
     return table;
 }
 
@@ -78,11 +71,13 @@ struct Computed {
 
 Computed compute(const HoursOptions& options, Technique& technique, const Triangles& triangles, const Points& points,
                  const SunTable& table, cl_mem normals) {
+    if (table.suns.empty()) return {std::vector<double>(points.count(), 0.0), {}};  // a polar night
     const ProgressLine progress(grouped(points.count()) + " points x " + grouped(table.suns.size()) + " suns",
                                 !options.quiet);
     LightsOnHost found = run_light_table_to_host(
         technique, triangles, points, table.lights(), {.sums = true, .cosines = options.cosines},
         {.facing = normals != nullptr ? Facing::normals(normals) : Facing::automatic()});
+    for (double& sum : found.sums) sum /= table.weights_per_unit();
     return {std::move(found.sums), std::move(found.statistics)};
 }
 
@@ -98,9 +93,8 @@ std::string summary(const HoursOptions& options, const SunTable& table, const Co
     double sum = 0;
     for (const double value : computed.values)
         if (!std::isnan(value)) ++count, sum += value;
-    double all = 0;
-    for (const Sun& sun : table.suns) all += double(sun.weight);
-    std::string text = fmt::format("{} suns, {:.6g} {}", grouped(table.suns.size()), all, options.unit);
+    std::string text =
+        fmt::format("{} suns, {:.6g} {}", grouped(table.suns.size()), table.sum_of_weights(), options.unit);
     if (table.below_horizon != 0) text += "; " + grouped(table.below_horizon) + " below the horizon left out";
     if (options.place)
         text += std::string("; positions by ERFA, elevations ") +

@@ -473,6 +473,14 @@ void complete(Report& report, const Device& device, const scene::Scene& scene, c
     report.animations = {scene.animations, scene.animation};
     report.device = device.description();
     for (std::size_t i = 0; i < report.lights.size(); ++i) report.lights[i].shares = count_shares(seen.visible[i]);
+    const bool is_default_light = !report.options.light && !report.options.light_direction &&
+                                  !report.options.light_position && !report.options.area_light;
+    if (is_default_light && !scene.lights.empty()) report.unused_lights = scene.lights.size() - 1;
+    const bool is_all_lit = std::ranges::all_of(
+        report.lights, [](const LightReport& light) { return light.shares.in_shadow + light.shares.partly == 0; });
+    if (is_all_lit)
+        report.is_empty = std::ranges::all_of(seen.view.points.read(device).receiver,
+                                              [](std::uint32_t receiver) { return receiver == no_receiver; });
     report.device_memory_bytes = device.memory_bytes();
     report.device_memory_peak_bytes = device.peak_memory_bytes();
 }
@@ -489,9 +497,17 @@ Shared prepare(Steps& steps, const RenderOptions& options) {
     return {device, std::move(technique), std::move(source), {}, {}};
 }
 
+double frame_time(const RenderOptions& options, double first_s, std::uint32_t frame) {
+    return first_s + frame / options.frames_per_s.value_or(default_frames_per_s);
+}
+
 ChosenCamera camera_of_frame(const RenderOptions& options, const scene::Scene& scene, Shared& shared) {
     if (shared.framing) return *shared.framing;
-    ChosenCamera chosen = choose_camera(options, scene);
+    const ChosenCamera chosen = choose_camera(options, scene, [&](scene::Framing& framing) {
+        // The whole motion stays in the picture.
+        for (std::uint32_t frame = 1; frame < options.frames && !scene.animation.empty(); ++frame)
+            framing.add(shared.source.at(frame_time(options, *options.time_s, frame)));
+    });
     if (scene.cameras.empty() && options.frames > 0) shared.framing = chosen;
     return chosen;
 }
@@ -547,7 +563,7 @@ void write_statistics(OutputFile& file, const nlohmann::ordered_json& statistics
 /// The options of one frame: its time, its numbered files, no statistics.
 RenderOptions frame_options(const RenderOptions& options, std::uint32_t frame) {
     RenderOptions out = options;
-    out.time_s = options.time_s.value_or(0) + frame / options.frames_per_s.value_or(default_frames_per_s);
+    out.time_s = frame_time(options, options.time_s.value_or(0), frame);
     out.statistics.reset();
     for (auto* file : {&out.picture, &out.mask, &out.aov, &out.triangle_dump, &out.point_dump})
         if (*file) *file = numbered(**file, frame, options.frames);

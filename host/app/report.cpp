@@ -174,6 +174,26 @@ std::string shares_text(const Shares& shares) {
     return text;
 }
 
+/// What to try where a picture may not be what was meant.
+std::string hints(const Report& report) {
+    std::string text;
+    if (report.unused_lights != 0)
+        text += fact("hint", fmt::format("{} other light{} of the scene {} unused: --light NAME, --light all",
+                                         report.unused_lights, report.unused_lights == 1 ? "" : "s",
+                                         report.unused_lights == 1 ? "is" : "are"));
+    if (report.is_empty)
+        text += fact("hint", report.triangles == 0
+                                 ? "the scene has no triangles"
+                                 : "the camera sees no triangle: --eye X,Y,Z --target X,Y,Z, or another --camera");
+    const bool is_dark = std::ranges::all_of(
+        report.lights, [](const LightReport& light) { return light.shares.lit + light.shares.partly == 0; });
+    if (is_dark && !report.lights.empty())
+        text += fact("hint",
+                     "no light reaches what the camera sees: a closed room needs a light inside "
+                     "(--light-position X,Y,Z), and a sun of another --light-direction may help");
+    return text;
+}
+
 std::string file_list(const Report& report) {
     std::string text;
     for (const auto& [option, file] : outputs_of(report.options, report.lights.size()))
@@ -301,6 +321,7 @@ std::string summary(const Report& report) {
         if (options.profile) text += stages_text("shadow", statistics);
         text += counts_text(statistics) + fact("result", shares_text(shares));
     }
+    text += hints(report);
     if (report.texture_bytes != 0) text += '\n' + fact("textures", bytes_for_people(report.texture_bytes));
     if (report.exposure_ev.value_or(0) != 0)
         text += fact("exposure",

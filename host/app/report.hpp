@@ -29,6 +29,8 @@ struct Report {
     RenderOptions options;
     std::uint64_t triangles = 0;
     std::uint64_t non_finite_triangles = 0;
+    std::size_t unused_lights = 0;  ///< of the scene, where the first was taken for want of a choice
+    bool is_empty = false;          ///< the camera sees no triangle
     std::vector<std::string> warnings;
     struct Animations {
         std::vector<std::string> names;  ///< of the file

@@ -18,22 +18,35 @@ namespace {
 
 constexpr double default_fov_y_degrees = 50;
 
+/// The number of an entry in its file; its position where there is no file, or several entries are one of the file's
+/// (two nodes with one camera).
+template <typename Named>
+std::size_t number_of(const std::vector<Named>& all, std::size_t position) {
+    std::set<int> numbers;
+    for (const Named& one : all) numbers.insert(one.file_index);
+    const bool are_unique = numbers.size() == all.size() && !numbers.contains(-1);
+    return are_unique ? std::size_t(all[position].file_index) : position;
+}
+
 /// "0 \"main\", 1 \"top\"", or the end of a sentence for an empty list.
 template <typename Named>
 std::string list_of(const std::vector<Named>& all) {
     std::string text;
-    for (std::size_t i = 0; i < all.size(); ++i) text += fmt::format("{}{} \"{}\"", i == 0 ? "" : ", ", i, all[i].name);
+    for (std::size_t i = 0; i < all.size(); ++i)
+        text += fmt::format("{}{} \"{}\"", i == 0 ? "" : ", ", number_of(all, i), all[i].name);
     return text;
 }
 
-/// The entry of that name or position. `kind` is "camera" or "light".
+/// The entry of that name or number. `kind` is "camera" or "light".
 template <typename Named>
 const Named& find_named(const std::vector<Named>& all, const std::string& name, const std::string& kind) {
     for (const Named& one : all)
         if (one.name == name) return one;
     std::size_t index = 0;
     const auto [stopped, error] = std::from_chars(name.data(), name.data() + name.size(), index);
-    if (error == std::errc{} && stopped == name.data() + name.size() && index < all.size()) return all[index];
+    if (error == std::errc{} && stopped == name.data() + name.size())
+        for (std::size_t i = 0; i < all.size(); ++i)
+            if (number_of(all, i) == index) return all[i];
     const std::string there_is =
         all.empty() ? "the scene has no " + kind + "s" : "the scene has these: " + list_of(all);
     throw Error("there is no " + kind + " \"" + name + "\": " + there_is);
@@ -48,7 +61,8 @@ Camera camera_of_eye(const ViewOptions& options) {
     }
 }
 
-ChosenCamera camera_with_its_own_view(const ViewOptions& options, const scene::Scene& scene) {
+ChosenCamera camera_with_its_own_view(const ViewOptions& options, const scene::Scene& scene,
+                                      const std::function<void(scene::Framing&)>& add_more) {
     if (options.eye) return {camera_of_eye(options), "--eye and --target"};
     if (options.camera) {
         const scene::NamedCamera& found = find_named(scene.cameras, *options.camera, "camera");
@@ -56,7 +70,9 @@ ChosenCamera camera_with_its_own_view(const ViewOptions& options, const scene::S
     }
     if (!scene.cameras.empty())
         return {scene.cameras.front().camera, "the scene's first camera, \"" + scene.cameras.front().name + "\""};
-    return {scene::framing_camera(scene), "the default: frames the scene, or stands in an interior"};
+    scene::Framing framing(scene, double(options.size.width) / double(options.size.height));
+    if (add_more) add_more(framing);
+    return {framing.camera(), "the default: frames the scene, or stands in an interior"};
 }
 
 }  // namespace
@@ -120,8 +136,9 @@ Triangles upload_triangles(const Device& device, const scene::Scene& scene) {
     return triangles;
 }
 
-ChosenCamera choose_camera(const ViewOptions& options, const scene::Scene& scene) {
-    ChosenCamera chosen = camera_with_its_own_view(options, scene);
+ChosenCamera choose_camera(const ViewOptions& options, const scene::Scene& scene,
+                           const std::function<void(scene::Framing&)>& add_more) {
+    ChosenCamera chosen = camera_with_its_own_view(options, scene, add_more);
     if (options.fov_y_degrees) chosen.camera.fov_y_radians = double(*options.fov_y_degrees) * std::numbers::pi / 180;
     return chosen;
 }

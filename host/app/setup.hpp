@@ -3,6 +3,7 @@
 // the options and the scene, each with its source), a technique with its settings.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <set>
@@ -60,7 +61,9 @@ struct ChosenLight {
 };
 
 /// Throws UsageError if the options make no camera, Error if the scene has none of that name.
-ChosenCamera choose_camera(const ViewOptions& options, const scene::Scene& scene);
+/// `add_more`: adds other times of an animation to what the default camera frames.
+ChosenCamera choose_camera(const ViewOptions& options, const scene::Scene& scene,
+                           const std::function<void(scene::Framing&)>& add_more = {});
 ChosenLight choose_light(const ViewOptions& options, const scene::Scene& scene);
 /// All lights of the scene, in its order, for "--light all" if no light has that name; else choose_light()'s.
 std::vector<ChosenLight> choose_lights(const ViewOptions& options, const scene::Scene& scene);

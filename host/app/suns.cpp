@@ -2,49 +2,31 @@
 #include "suns.hpp"
 
 #include <fmt/core.h>
+#include <zlib.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
+#include <memory>
 #include <numbers>
 
 #ifdef GNOMON_HAS_ERFA
 #include <erfa.h>
 #endif
 
+#include "scene/number_table.hpp"
 #include "terminal.hpp"
 #include "values.hpp"
 
 namespace gnomon::app {
 namespace {
 
+using scene::NumberTable;
+
 constexpr double radians = std::numbers::pi / 180;
 constexpr std::uint32_t minutes_per_day = 1440;
-
-std::string trimmed(const std::string& text) {
-    const std::size_t first = text.find_first_not_of(" \t\r\"");
-    if (first == std::string::npos) return {};
-    return text.substr(first, text.find_last_not_of(" \t\r\"") + 1 - first);
-}
-
-std::vector<std::string> cells_of(const std::string& line) {
-    std::vector<std::string> cells;
-    for (std::size_t first = 0; first <= line.size();) {
-        const std::size_t end = std::min(line.find(',', first), line.size());
-        cells.push_back(trimmed(line.substr(first, end - first)));
-        first = end + 1;
-    }
-    return cells;
-}
-
-std::optional<double> finite_number(const std::string& text) {
-    char* end = nullptr;
-    const double value = std::strtod(text.c_str(), &end);
-    if (text.empty() || end != text.c_str() + text.size() || !std::isfinite(value)) return {};
-    return value;
-}
 
 /// Days since 2000-01-01T00:00 on the clock of the days.
 double first_day(const Days& days) {
@@ -70,11 +52,7 @@ std::string time_text(double days_since_2000, double utc_offset_hours) {
 Float3 direction_in(const NumberTable& table, std::size_t row) {
     Float3 direction{};
     const char* const names[] = {"x", "y", "z"};
-    for (std::size_t c = 0; c < 3; ++c) {
-        const std::string& text = table.text(row, names[c]);
-        table.number(row, names[c]);
-        direction[c] = std::strtof(text.c_str(), nullptr);  // from the text, rounded once
-    }
+    for (std::size_t c = 0; c < 3; ++c) direction[c] = table.float_number(row, names[c]);
     if (direction == Float3{0, 0, 0}) table.refuse(row, "the direction 0,0,0");
     const std::string up = table.has("up") ? table.text(row, "up") : "y";
     if (up != "y" && up != "z") table.refuse(row, "up = \"" + up + "\", which is neither y nor z");
@@ -89,9 +67,16 @@ Lights SunTable::lights() const {
     std::vector<float> weights;
     for (const Sun& sun : suns) {
         lights.push_back(Light::directional(sun.direction));
-        weights.push_back(sun.weight);
+        weights.push_back(step_minutes != 0 ? float(step_minutes) : sun.weight);
     }
     return Lights(std::move(lights), std::move(weights));
+}
+
+double SunTable::sum_of_weights() const {
+    if (step_minutes != 0) return double(suns.size()) * step_minutes / weights_per_unit();
+    double sum = 0;
+    for (const Sun& sun : suns) sum += double(sun.weight);
+    return sum;
 }
 
 #ifdef GNOMON_HAS_ERFA
@@ -140,6 +125,7 @@ SunTable suns_of_place(const SunsOfPlace& place, double north_degrees) {
     const double end = place.days.month == 0 ? first_day({place.days.year + 1, 1, 1}) : first + 1;
     const auto steps = std::size_t(std::llround((end - first) * minutes_per_day / place.step_minutes));
     SunTable table;
+    table.step_minutes = place.step_minutes;
     for (std::size_t step = 0; step < steps; ++step) {
         const double at = first + (double(step) + 0.5) * place.step_minutes / minutes_per_day;
         SunPosition sun =
@@ -157,17 +143,16 @@ SunTable suns_of_place(const SunsOfPlace& place, double north_degrees) {
 }
 
 SunTable read_suns(const std::filesystem::path& file, double north_degrees) {
-    const NumberTable rows(file, {"x", "y", "z", "weight"});
+    const NumberTable rows(table_file_text(file), file.string(), {{{"x", "y", "z"}, {"x", "y", "z", "weight"}}});
     const bool has_direction = rows.has("x") && rows.has("y") && rows.has("z");
     const bool has_angles = rows.has("azimuth") && rows.has("elevation");
     if (!has_direction && !has_angles)
-        throw Error(file.string() + ": a table of suns needs the columns x, y, z or azimuth, elevation");
+        rows.require({"x", "y", "z"}, "a table of suns needs the columns x, y, z or azimuth, elevation");
     SunTable table;
     for (std::size_t row = 0; row < rows.rows(); ++row) {
         Sun sun;
         if (rows.has("time")) sun.time = rows.text(row, "time");
-        if (rows.has("weight")) sun.weight = float(rows.number(row, "weight"));
-        if (!std::isfinite(sun.weight)) rows.refuse(row, "a weight beyond float32");
+        if (rows.has("weight")) sun.weight = rows.float_number(row, "weight");
         if (has_angles) {
             sun.azimuth_degrees = rows.number(row, "azimuth");
             sun.elevation_degrees = rows.number(row, "elevation");
@@ -197,44 +182,15 @@ std::string table_text(const SunTable& table) {
     return text;
 }
 
-// ---- Tables of numbers ----------------------------------------------------------------------------------------------
-
-NumberTable::NumberTable(const std::filesystem::path& file, const std::vector<std::string>& unnamed) : file_(file) {
-    std::ifstream in(file);
-    if (!in) throw Error("cannot read " + file.string());
-    std::string line;
-    for (std::size_t number = 1; std::getline(in, line); ++number) {
-        if (trimmed(line).empty() || line.starts_with('#')) continue;
-        std::vector<std::string> cells = cells_of(line);
-        if (names_.empty()) {
-            if (!finite_number(cells[0])) {
-                names_ = std::move(cells);
-                continue;
-            }
-            names_.assign(unnamed.begin(), unnamed.begin() + std::ptrdiff_t(std::min(cells.size(), unnamed.size())));
-        }
-        rows_.push_back({number, std::move(cells)});
-        if (rows_.back().cells.size() != names_.size())
-            refuse(rows_.size() - 1,
-                   std::to_string(rows_.back().cells.size()) + " columns in place of " + std::to_string(names_.size()));
-    }
-    if (in.bad()) throw Error("cannot read " + file.string());
-}
-
-bool NumberTable::has(const std::string& column) const { return std::ranges::find(names_, column) != names_.end(); }
-
-const std::string& NumberTable::text(std::size_t row, const std::string& column) const {
-    return rows_[row].cells[std::size_t(std::ranges::find(names_, column) - names_.begin())];
-}
-
-double NumberTable::number(std::size_t row, const std::string& column) const {
-    const auto value = finite_number(text(row, column));
-    if (!value) refuse(row, column + " = \"" + text(row, column) + "\", which is no finite number");
-    return *value;
-}
-
-void NumberTable::refuse(std::size_t row, const std::string& reason) const {
-    throw Error(file_.string() + ", line " + std::to_string(rows_[row].line) + " has " + reason);
+std::string table_file_text(const std::filesystem::path& file) {
+    const auto closed = [](gzFile opened) { gzclose(opened); };
+    const std::unique_ptr<gzFile_s, decltype(closed)> in(gzopen(file.c_str(), "rb"));  // reads plain files as they are
+    std::string text;
+    std::array<char, 1 << 16> part;
+    int count = in ? 0 : -1;
+    while (in && (count = gzread(in.get(), part.data(), part.size())) > 0) text.append(part.data(), std::size_t(count));
+    if (count < 0) throw Error("cannot read " + file.string());
+    return text;
 }
 
 }  // namespace gnomon::app

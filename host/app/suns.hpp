@@ -21,9 +21,15 @@ struct Sun {
 
 struct SunTable {
     std::vector<Sun> suns;
-    std::size_t below_horizon = 0;  ///< rows or times that were left out
+    std::size_t below_horizon = 0;   ///< rows or times that were left out
+    std::uint32_t step_minutes = 0;  ///< of suns_of_place(): each sun's exact weight; 0: their own weights count
 
+    /// Their weights are in units of 1 / weights_per_unit(), so that sums of steps are exact: 144 x 10 minutes are 24
+    /// h.
     Lights lights() const;
+    double weights_per_unit() const { return step_minutes != 0 ? 60 : 1; }
+    /// Of all suns.
+    double sum_of_weights() const;
 };
 
 /// Where the sun stands for an observer at sea level: azimuth clockwise from north, elevation, both in degrees. The
@@ -65,26 +71,7 @@ SunTable read_suns(const std::filesystem::path& file, double north_degrees);
 /// A table that read_suns() takes back with the same bits, and so does a study, whose z points up.
 std::string table_text(const SunTable& table);
 
-/// Named columns of numbers in a CSV file. Used for suns and for points.
-class NumberTable {
-public:
-    /// `unnamed`: the columns of a file without a line of names; its rows have from 3 of them on. Throws Error.
-    NumberTable(const std::filesystem::path& file, const std::vector<std::string>& unnamed);
-    bool has(const std::string& column) const;
-    std::size_t rows() const { return rows_.size(); }
-    const std::string& text(std::size_t row, const std::string& column) const;
-    /// A finite number. Throws Error with the line.
-    double number(std::size_t row, const std::string& column) const;
-    [[noreturn]] void refuse(std::size_t row, const std::string& reason) const;
-
-private:
-    struct Row {
-        std::size_t line;
-        std::vector<std::string> cells;
-    };
-    std::filesystem::path file_;
-    std::vector<std::string> names_;
-    std::vector<Row> rows_;
-};
+/// The text of a file, unpacked if it is gzip's. Throws Error.
+std::string table_file_text(const std::filesystem::path& file);
 
 }  // namespace gnomon::app

@@ -43,6 +43,12 @@ std::optional<double> double_of(const std::string& text) {
     return value;
 }
 
+/// Without blanks at its ends: "48.2, 16.4" is what maps copy.
+std::string without_blanks(const std::string& text) {
+    const std::size_t first = text.find_first_not_of(" \t");
+    return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t") + 1 - first);
+}
+
 /// What `read` finds in each of the `count` parts of a text; nothing if a part is missing or wrong.
 template <std::size_t count, typename Value, typename Read>
 std::optional<std::array<Value, count>> list_of(const std::string& text, char separator, const Read& read) {
@@ -50,7 +56,8 @@ std::optional<std::array<Value, count>> list_of(const std::string& text, char se
     std::size_t first = 0;
     for (std::size_t i = 0; i < count; ++i) {
         const std::size_t end = i + 1 < count ? text.find(separator, first) : text.size();
-        const auto value = end != std::string::npos ? read(text.substr(first, end - first)) : std::nullopt;
+        const auto value =
+            end != std::string::npos ? read(without_blanks(text.substr(first, end - first))) : std::nullopt;
         if (!value) return std::nullopt;
         values[i] = Value(*value);
         first = end + 1;
@@ -119,7 +126,7 @@ Kind<std::array<Float3, 3>> nine_numbers() {
 Kind<std::array<double, 2>> latitude_longitude() {
     const Kind<std::array<double, 2>> two{
         [](const std::string& text) { return list_of<2, double>(text, ',', double_of); }, {}};
-    return only(two, "a latitude from -90 to 90 and a longitude from -180 to 180",
+    return only(two, "a latitude from -90 to 90 and a longitude from -180 to 180 in decimal degrees, such as 48.2,16.4",
                 [](const auto& degrees) { return std::abs(degrees[0]) <= 90 && std::abs(degrees[1]) <= 180; });
 }
 

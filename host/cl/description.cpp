@@ -8,6 +8,7 @@
 #include <iterator>
 #include <sstream>
 
+#include "environment.hpp"
 #include "opencl.hpp"
 
 namespace gnomon {
@@ -74,7 +75,6 @@ std::string lowered(std::string_view text) {
 }
 
 std::string listed(const std::vector<DeviceDescription>& all) {
-    if (all.empty()) return "there is no OpenCL device (install one, e.g. the package pocl-opencl-icd)";
     std::string text = "there are:";
     for (const DeviceDescription& d : all)
         text += " " + d.selector + " (" + d.name + (d.lacks.empty() ? ")" : ", lacks " + d.lacks + ")");
@@ -142,6 +142,7 @@ DeviceDescription select_device(std::string_view selector) {
             throw DeviceNotFound("the device " + device.name + " cannot be used: it lacks " + device.lacks);
         return device;
     }
+    if (all.empty()) throw DeviceNotFound(why_no_device());
     if (wanted.empty()) throw DeviceNotFound("no usable OpenCL device: " + listed(all));
     throw DeviceNotFound("no OpenCL device matches \"" + wanted + "\" (" + asked_by + "): " + listed(all));
 }

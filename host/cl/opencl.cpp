@@ -6,9 +6,11 @@
 #include <cstdlib>
 #include <mutex>
 
+#include "environment.hpp"
+
 namespace gnomon {
 
-#define GN_DEFINE(name) decltype(&::name) name = nullptr;
+#define GN_DEFINE(name) cl::Function<decltype(&::name)> name;
 GN_OPENCL_FUNCTIONS(GN_DEFINE)
 #undef GN_DEFINE
 
@@ -20,9 +22,9 @@ constexpr const char* system_library = "libOpenCL.so.1";
 // The first function that `library` lacks; empty if all are loaded.
 std::string load_functions(void* library) {
     std::string missing;
-#define GN_LOAD(name)                                               \
-    name = reinterpret_cast<decltype(name)>(dlsym(library, #name)); \
-    if (name == nullptr && missing.empty()) missing = #name;
+#define GN_LOAD(name)                                                               \
+    name.pointer = reinterpret_cast<decltype(name.pointer)>(dlsym(library, #name)); \
+    if (name.pointer == nullptr && missing.empty()) missing = #name;
     GN_OPENCL_FUNCTIONS(GN_LOAD)
 #undef GN_LOAD
     return missing;
@@ -43,10 +45,13 @@ std::string load_from(const std::string& file) {
 }  // namespace
 
 std::string try_to_load_opencl(const std::string& library) {
+    require_unforked();
+    note_use(true);
     static std::mutex mutex;
     static bool is_loaded = false;
     const std::lock_guard lock(mutex);
     if (is_loaded) return {};
+    give_pocl_a_folder();
     const char* const variable = std::getenv("GNOMON_OPENCL_LIBRARY");
     std::string failure;
     if (variable != nullptr && *variable != '\0')
@@ -56,6 +61,7 @@ std::string try_to_load_opencl(const std::string& library) {
     else if (!load_functions(RTLD_DEFAULT).empty())  // a program's own, or one that a debugger put before it
         failure = load_from(system_library);
     is_loaded = failure.empty();
+    note_use(is_loaded);
     return failure;
 }
 

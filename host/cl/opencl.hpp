@@ -6,6 +6,7 @@
 
 #include <string>
 
+#include "forks.hpp"
 #include "gnomon.hpp"
 
 // Every OpenCL function that gnomon calls. All belong to OpenCL 1.2.
@@ -24,7 +25,7 @@
 
 namespace gnomon {
 
-#define GN_DECLARE(name) extern decltype(&::name) name;
+#define GN_DECLARE(name) extern cl::Function<decltype(&::name)> name;
 GN_OPENCL_FUNCTIONS(GN_DECLARE)
 #undef GN_DECLARE
 

@@ -16,6 +16,7 @@ namespace gnomon::cl {
 
 void check(cl_int code, std::string_view call) {
     if (code == CL_SUCCESS) return;
+    if (code == forked_process) require_unforked();
     if (code == CL_MEM_OBJECT_ALLOCATION_FAILURE || code == CL_OUT_OF_RESOURCES || code == CL_OUT_OF_HOST_MEMORY ||
         code == CL_INVALID_BUFFER_SIZE)
         throw OutOfDeviceMemory(call, code);

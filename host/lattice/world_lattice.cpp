@@ -92,6 +92,22 @@ Float3 WorldLattice::snapped(const double* p) const {
     return result;
 }
 
+namespace {
+
+/// The bounds of positions and of their mirror images at the lattice's origin: with the step at which they fit, the
+/// positions lie within the reach of this origin.
+CoordinateBounds bounds_about_origin(const WorldLattice& lattice, std::span<const double> positions) {
+    CoordinateBounds bounds = bounds_of(positions);
+    if (bounds.is_empty()) return bounds;
+    const glm::dvec3 origin = loaded(lattice.world_of({0, 0, 0}));
+    const glm::dvec3 reach = max(abs(bounds.low - origin), abs(bounds.high - origin));
+    bounds.low = origin - reach;
+    bounds.high = origin + reach;
+    return bounds;
+}
+
+}  // namespace
+
 WorldLattice::Snapped WorldLattice::snap(std::span<const double> positions) const {
     require_groups(positions.size(), 3, "positions", "numbers");
     Snapped result{std::vector<float>(positions.size()), 0};
@@ -100,10 +116,11 @@ WorldLattice::Snapped WorldLattice::snap(std::span<const double> positions) cons
         const Float3 at = snapped(p);
         const bool is_absent = !is_finite(p);
         if (std::isnan(at[0]) && !is_absent)
-            throw InvalidArgument("row " + std::to_string(i / 3) + " " + text_of(p) +
-                                  " lies more than 2^24 steps of 2^" + std::to_string(exponent) +
-                                  " from the lattice's origin: the finest step that fits these positions is 2^" +
-                                  std::to_string(finest_exponent(bounds_of(positions), largest_steps)));
+            throw InvalidArgument(
+                "row " + std::to_string(i / 3) + " " + text_of(p) + " lies more than 2^24 steps of 2^" +
+                std::to_string(exponent) +
+                " from the lattice's origin: the finest step that fits these positions is 2^" +
+                std::to_string(finest_exponent(bounds_about_origin(*this, positions), largest_steps)));
         std::copy(at.begin(), at.end(), &result.positions[i]);
         if (!is_absent)
             result.largest_move = std::max(result.largest_move, largest_coordinate(loaded(world_of(at)) - loaded(p)));

@@ -8,12 +8,15 @@
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/string_view.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
 
 #include <gnomon.hpp>
 
+#include "cl/opencl.hpp"
 #include "lights/whole_weights.hpp"
+#include "scene/number_table.hpp"
 
 #ifdef GNOMON_PYTHON_GLTF
 #include "scene/scene.hpp"
@@ -95,6 +98,7 @@ gnomon::Light light_of(const std::array<float, 4>& xyzw) { return gnomon::Light{
 
 void bind_devices(nb::module_& m) {
     using gnomon::DeviceDescription;
+    m.def("require_unforked", &gnomon::cl::require_unforked);
     m.def("load_opencl", &gnomon::load_opencl, "library"_a = "");
     m.def("devices", &gnomon::devices, Released());
     nb::class_<DeviceDescription>(m, "DeviceDescription",
@@ -133,6 +137,13 @@ void bind_devices(nb::module_& m) {
         .def_prop_ro("memory_bytes", &gnomon::Device::memory_bytes);
 }
 
+gnomon::CutOutMaterial material_of(const nb::handle state) {
+    const auto [texture, wrap_u, wrap_v, filter, cutoff, factor] =
+        nb::cast<std::tuple<std::uint32_t, int, int, int, float, float>>(state);
+    return {texture, gnomon::TextureWrap(wrap_u), gnomon::TextureWrap(wrap_v), gnomon::TextureFilter(filter), cutoff,
+            factor};
+}
+
 void bind_cut_outs(nb::module_& m) {
     nb::class_<gnomon::CutOutCounts>(m, "CutOutCounts")
         .def_ro("masked", &gnomon::CutOutCounts::masked)
@@ -151,8 +162,32 @@ void bind_cut_outs(nb::module_& m) {
                  to.materials.push_back({texture, gnomon::TextureWrap(wrap_u), gnomon::TextureWrap(wrap_v),
                                          gnomon::TextureFilter(filter), cutoff, factor});
              })
-        .def("add_texture", [](OwnedCutOuts& to, const Bytes& alpha) {
-            to.textures.push_back({std::uint32_t(alpha.shape(1)), std::uint32_t(alpha.shape(0)), vector_of(alpha)});
+        .def(
+            "add_texture",
+            [](OwnedCutOuts& to, const Bytes& alpha) {
+                to.textures.push_back({std::uint32_t(alpha.shape(1)), std::uint32_t(alpha.shape(0)), vector_of(alpha)});
+            })
+        .def("__getstate__",
+             [](const OwnedCutOuts& from) {
+                 nb::list materials, textures;
+                 for (const gnomon::CutOutMaterial& m : from.materials)
+                     materials.append(nb::make_tuple(m.texture, int(m.wrap_u), int(m.wrap_v), int(m.filter), m.cutoff,
+                                                     m.alpha_factor));
+                 for (const auto& [width, height, alpha] : from.textures)
+                     textures.append(numpy_of(vector_of(alpha), {height, width}));
+                 return nb::make_tuple(row_of(from.material_of_triangle), row_of(from.texture_coordinates),
+                                       row_of(from.corner_alphas), materials, textures);
+             })
+        .def("__setstate__", [](OwnedCutOuts& self, const std::tuple<Ids, Floats, Floats, nb::list, nb::list>& state) {
+            const auto& [material_of_triangle, coordinates, alphas, materials, textures] = state;
+            OwnedCutOuts made{vector_of(material_of_triangle), vector_of(coordinates), vector_of(alphas), {}, {}};
+            for (const nb::handle material : materials) made.materials.push_back(material_of(material));
+            for (const nb::handle texture : textures) {
+                const auto alpha = nb::cast<Bytes>(texture);
+                made.textures.push_back(
+                    {std::uint32_t(alpha.shape(1)), std::uint32_t(alpha.shape(0)), vector_of(alpha)});
+            }
+            new (&self) OwnedCutOuts(std::move(made));
         });
 }
 
@@ -391,6 +426,11 @@ void bind_lattice(nb::module_& m) {
                  const std::size_t count = touched.size() / 3;
                  return numpy_of(std::move(touched), {count, 3});
              })
+        .def("__getstate__", [](const WorldLattice& from) { return std::pair(from.exponent, from.origin); })
+        .def("__setstate__",
+             [](WorldLattice& self, const std::pair<int, std::array<std::int64_t, 3>>& state) {
+                 new (&self) WorldLattice{state.first, state.second};
+             })
         .def("world_of", &WorldLattice::world_of)
         .def("rebased", [](const WorldLattice& lattice, const Floats& p, const WorldLattice& other) {
             return triples_of(lattice.rebased(span_of(p), other));
@@ -400,13 +440,20 @@ void bind_lattice(nb::module_& m) {
 void bind_views(nb::module_& m) {
     using gnomon::Camera;
     using gnomon::View;
+    using Axis = std::array<double, 3>;
     nb::class_<Camera>(m, "Camera")
         .def_static("look_at", &Camera::look_at)
         .def_ro("eye", &Camera::eye)
         .def_ro("right", &Camera::right)
         .def_ro("up", &Camera::up)
         .def_ro("forward", &Camera::forward)
-        .def_ro("fov_y_radians", &Camera::fov_y_radians);
+        .def_ro("fov_y_radians", &Camera::fov_y_radians)
+        .def("__getstate__",
+             [](const Camera& c) { return std::tuple(c.eye, c.right, c.up, c.forward, c.fov_y_radians); })
+        .def("__setstate__", [](Camera& self, const std::tuple<gnomon::Float3, Axis, Axis, Axis, double>& state) {
+            const auto& [eye, right, up, forward, fov_y_radians] = state;
+            new (&self) Camera{eye, right, up, forward, fov_y_radians};
+        });
     nb::class_<View>(m, "View").def_ro("points", &View::points);
     m.def("look", &gnomon::look, Released());
     m.def("read_view", [](const gnomon::Device& device, const gnomon::Triangles& triangles, const View& view) {
@@ -539,6 +586,28 @@ void bind_scenes(nb::module_& m) {
 void bind_scenes(nb::module_&) {}
 #endif
 
+void bind_tables(nb::module_& m) {
+    using gnomon::scene::NumberTable;
+    nb::class_<NumberTable>(m, "NumberTable")
+        .def(
+            "__init__",
+            [](NumberTable* table, const nb::bytes& text, const std::string& file,
+               const std::vector<std::vector<std::string>>& unnamed, bool are_points) {
+                gnomon::scene::TableColumns columns{unnamed};
+                if (are_points) columns.other_names = gnomon::scene::point_headings();
+                new (table) NumberTable(std::string_view(text.c_str(), text.size()), file, columns);
+            },
+            "text"_a, "file"_a, "unnamed"_a, "are_points"_a)
+        .def_prop_ro("names", &NumberTable::names)
+        .def("__len__", &NumberTable::rows)
+        .def("text", &NumberTable::text)
+        .def("numbers", [](const NumberTable& table, std::string_view name) { return row_of(table.numbers(name)); })
+        .def("float_numbers",
+             [](const NumberTable& table, std::string_view name) { return row_of(table.float_numbers(name)); })
+        .def("refuse", &NumberTable::refuse)
+        .def("require", &NumberTable::require);
+}
+
 // Each C++ exception becomes the Python exception that its reader expects; the texts are the same.
 void bind_errors(nb::module_& m) {
     // Translators run newest first, so the base class comes first.
@@ -563,6 +632,7 @@ void bind_errors(nb::module_& m) {
 }  // namespace
 
 NB_MODULE(_gnomon, m) {
+    nb::set_leak_warnings(false);  // a daemon thread's call may hold objects when the interpreter ends
     m.attr("__version__") = std::string(gnomon::version());
     gnomon::add_rivals();
     bind_errors(m);
@@ -577,4 +647,5 @@ NB_MODULE(_gnomon, m) {
     bind_views(m);
     bind_pictures(m);
     bind_scenes(m);
+    bind_tables(m);
 }

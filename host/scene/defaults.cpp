@@ -15,7 +15,6 @@ namespace gnomon::scene {
 namespace {
 
 constexpr double framing_fov_y_degrees = 50;
-constexpr double margin = 1.05;
 constexpr Float3 origin{0, 0, 0};
 
 struct Bounds {
@@ -23,15 +22,20 @@ struct Bounds {
     bool is_empty = true;
 };
 
-Bounds bounds_of_finite_triangles(const Scene& scene) {
+Bounds empty_bounds() {
     constexpr double infinity = std::numeric_limits<double>::infinity();
-    Bounds b{glm::dvec3(infinity), glm::dvec3(-infinity), true};
-    for (std::size_t i = 0; i < scene.triangle_count(); ++i) {
-        if (!scene.is_finite(i)) continue;
-        const float* t = &scene.triangles[9 * i];
-        b.is_empty = false;
-        for (int k = 0; k < 9; k += 3) b.least = min(b.least, loaded(t + k)), b.most = max(b.most, loaded(t + k));
-    }
+    return {glm::dvec3(infinity), glm::dvec3(-infinity), true};
+}
+
+void add_triangle(Bounds& b, const float* t) {
+    b.is_empty = false;
+    for (int k = 0; k < 9; k += 3) b.least = min(b.least, loaded(t + k)), b.most = max(b.most, loaded(t + k));
+}
+
+Bounds bounds_of_finite_triangles(const Scene& scene) {
+    Bounds b = empty_bounds();
+    for (std::size_t i = 0; i < scene.triangle_count(); ++i)
+        if (scene.is_finite(i)) add_triangle(b, &scene.triangles[9 * i]);
     return b;
 }
 
@@ -154,31 +158,122 @@ std::optional<Camera> interior_camera(const Scene& scene, const Bounds& bounds) 
     return Camera::look_at(array_of(eye), array_of(target), {0, 1, 0}, interior_fov_y_degrees);
 }
 
+// ---- Framing --------------------------------------------------------------------------------------------------------
+
+/// Where the viewer may stand. The first is taken unless another shows far more of the triangles.
+constexpr Float3 toward_viewers[] = {{0.8f, 0.6f, 1.0f}, {-0.8f, 0.6f, 1.0f}, {0.2f, 1.0f, 0.4f},
+                                     {0.2f, 0.3f, 1.0f}, {1.0f, 0.3f, 0.2f},  {0.8f, -0.6f, 1.0f}};
+constexpr double least_shown = 0.35;  ///< of what the best viewer sees
+constexpr double slope_ratio = 0.8;   ///< of one Reach to the next
+constexpr double filled = 0.88;       ///< of the picture's narrower side, or both where they bind
+/// Ground: triangles no higher above the bottom than this part of the height, if all others are narrower than the
+/// second part of it.
+constexpr double ground_height = 0.01, content_on_ground = 0.5;
+
+double width_of(const Bounds& b) { return b.is_empty ? 0 : std::hypot(b.most.x - b.least.x, b.most.z - b.least.z); }
+
+Camera camera_towards(const Float3& viewer) {
+    return Camera::look_at(viewer, origin, {0, 1, 0}, framing_fov_y_degrees);
+}
+
+/// Calls visit(t) with the nine floats of each finite triangle above a height.
+template <typename Visit>
+void for_each_triangle(const Scene& scene, double above, const Visit& visit) {
+    for (std::size_t i = 0; i < scene.triangle_count(); ++i) {
+        const float* t = &scene.triangles[9 * i];
+        if (scene.is_finite(i) && double(std::max({t[1], t[4], t[7]})) > above) visit(t);
+    }
+}
+
+/// The height up to which triangles are ground, below all if none are.
+double top_of_ground(const Scene& scene, const Bounds& all) {
+    const double top = all.least.y + ground_height * (all.most.y - all.least.y);
+    Bounds rest = empty_bounds();
+    for_each_triangle(scene, top, [&](const float* t) { add_triangle(rest, t); });
+    const bool is_ground = !rest.is_empty && width_of(rest) < content_on_ground * width_of(all);
+    return is_ground ? top : -std::numeric_limits<double>::infinity();
+}
+
+/// The camera that shows most of the triangles' areas, or the first.
+Camera best_camera(const Scene& scene, double above, double scale) {
+    double shown[std::size(toward_viewers)] = {};
+    for_each_triangle(scene, above, [&](const float* t) {
+        const glm::dvec3 corner = loaded(t) / scale;
+        const glm::dvec3 normal = cross(loaded(t + 3) / scale - corner, loaded(t + 6) / scale - corner);
+        for (std::size_t i = 0; i < std::size(shown); ++i)
+            shown[i] += std::fabs(dot(normal, normalize(loaded(toward_viewers[i]))));
+    });
+    const std::size_t best = std::size_t(std::ranges::max_element(shown) - shown);
+    return camera_towards(toward_viewers[shown[0] >= least_shown * shown[best] ? 0 : best]);
+}
+
 }  // namespace
 
-Camera framing_camera(const Scene& scene) {
-    const Float3 toward_viewer{0.8f, 0.6f, 1.0f};
-    Camera camera = Camera::look_at(toward_viewer, origin, {0, 1, 0}, framing_fov_y_degrees);
+Framing::Framing(const Scene& scene, double aspect) : aspect_(aspect), camera_(camera_towards(toward_viewers[0])) {
     const Bounds bounds = bounds_of_finite_triangles(scene);
-    if (bounds.is_empty) return camera;
-    if (const std::optional<Camera> inside = interior_camera(scene, bounds)) return *inside;
-    const glm::dvec3 center = bounds.least / 2.0 + bounds.most / 2.0, half = bounds.most / 2.0 - bounds.least / 2.0;
-    const glm::dvec3 right = loaded(camera.right), up = loaded(camera.up), forward = loaded(camera.forward);
-    // Far enough for each corner of the box: |x|, |y| <= (distance + z) tan(fov_y / 2), in a picture no narrower than
-    // it is high.
-    const double slope = std::tan(camera.fov_y_radians / 2);
-    double distance = 0;
-    for (int corner = 0; corner < 8; ++corner) {
-        const glm::dvec3 v = mix(-half, half, glm::bvec3(corner & 1, corner & 2, corner & 4));
-        const double across = std::max(std::fabs(dot(v, right)), std::fabs(dot(v, up)));
-        distance = std::max(distance, across / slope - dot(v, forward));
+    if (bounds.is_empty) return;
+    if (const std::optional<Camera> inside = interior_camera(scene, bounds)) {
+        camera_ = *inside;
+        is_interior_ = true;
+        return;
     }
+    above_ = top_of_ground(scene, bounds);
+    middle_ = array_of<double>(bounds.least / 2.0 + bounds.most / 2.0);
+    camera_ = best_camera(scene, above_, std::max(largest_coordinate(bounds.most / 2.0 - bounds.least / 2.0), 1e-30));
+    add(scene);
+}
+
+// An eye at (x, y, z) in the camera's axes sees a point p below the slope k if |p.x - x| <= k (p.z - z), and the same
+// for y. So the greatest p.x - k p.z and -p.x - k p.z of all points say how far back it must stand, and where it is in
+// their middle. Smaller slopes say where the middle is on the side that does not bind.
+void Framing::add(const Scene& scene) {
+    if (is_interior_) return;
+    const double slope_y = std::tan(camera_.fov_y_radians / 2) * filled, slope_x = slope_y * aspect_;
+    const glm::dvec3 right = loaded(camera_.right), up = loaded(camera_.up), forward = loaded(camera_.forward);
+    const glm::dvec3 middle = loaded(middle_.data());
+    for (std::size_t i = 0; i < reaches_.size(); ++i) reaches_[i].slope = std::pow(slope_ratio, double(i));
+    for_each_triangle(scene, above_, [&](const float* t) {
+        for (int k = 0; k < 9; k += 3) {
+            const glm::dvec3 p = loaded(t + k) - middle;
+            const double x = dot(p, right), y = dot(p, up), z = dot(p, forward);
+            for (Reach& reach : reaches_) {
+                const double zx = reach.slope * slope_x * z, zy = reach.slope * slope_y * z;
+                const double at[] = {x - zx, -x - zx, y - zy, -y - zy};
+                for (std::size_t i = 0; i < 4; ++i) reach.sides[i] = std::max(reach.sides[i], at[i]);
+            }
+        }
+    });
+}
+
+Camera Framing::camera() const {
+    if (is_interior_ || !std::isfinite(reaches_[0].sides[0])) return camera_;
+    const double slope_y = std::tan(camera_.fov_y_radians / 2) * filled, slopes[] = {slope_y * aspect_, slope_y};
+    const auto needed = [&](const Reach& reach, std::size_t axis) {
+        return (reach.sides[2 * axis] + reach.sides[2 * axis + 1]) / (2 * reach.slope * slopes[axis]);
+    };
+    const glm::dvec3 middle = loaded(middle_.data());
     // A small thing far from the origin: the eye is rounded to float32, so it must be many ulps (2^-24) away.
-    distance = std::max({distance * margin, std::ldexp(largest_coordinate(center), -14), 1e-3});
+    const double distance =
+        std::max({needed(reaches_[0], 0), needed(reaches_[0], 1), std::ldexp(largest_coordinate(middle), -14), 1e-3});
+    glm::dvec3 eye = middle - distance * loaded(camera_.forward);
+    for (const std::size_t axis : {0u, 1u}) {
+        std::size_t i = 0;  // the tightest slope that suits; the middle lies between its own and the next one's
+        while (i + 2 < reaches_.size() && needed(reaches_[i + 1], axis) <= distance) ++i;
+        const auto middle_of = [&](const Reach& reach) {
+            return (reach.sides[2 * axis] - reach.sides[2 * axis + 1]) / 2;
+        };
+        const double least = needed(reaches_[i], axis), most = needed(reaches_[i + 1], axis);
+        const double part = most > least ? std::clamp((distance - least) / (most - least), 0.0, 1.0) : 0;
+        const double at = std::lerp(middle_of(reaches_[i]), middle_of(reaches_[i + 1]), part);
+        eye += at * loaded(axis == 0 ? camera_.right : camera_.up);
+    }
     constexpr double limit = std::numeric_limits<float>::max();
-    camera.eye = array_of(clamp(center - distance * forward, -limit, limit));
+    Camera camera = camera_;
+    camera.eye = array_of(clamp(eye, -limit, limit));
     return camera;
 }
+
+Camera framing_camera(const Scene& scene, double aspect) { return Framing(scene, aspect).camera(); }
 
 Light default_light() { return Light::directional({-0.4f, -1.0f, -0.3f}); }
 

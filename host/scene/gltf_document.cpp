@@ -357,9 +357,9 @@ std::vector<int> root_nodes(const std::filesystem::path& file, const tinygltf::M
 }
 
 /// Extensions that gnomon reads, or that have a phrase of their own at the node, mesh or buffer that uses them.
-constexpr std::array<std::string_view, 6> named_elsewhere{"KHR_lights_punctual",     "KHR_draco_mesh_compression",
-                                                          "KHR_mesh_quantization",   "EXT_mesh_gpu_instancing",
-                                                          "EXT_meshopt_compression", "KHR_texture_transform"};
+constexpr std::array<std::string_view, 7> named_elsewhere{
+    "KHR_node_visibility",     "KHR_lights_punctual",     "KHR_draco_mesh_compression", "KHR_mesh_quantization",
+    "EXT_mesh_gpu_instancing", "EXT_meshopt_compression", "KHR_texture_transform"};
 
 std::set<std::string> not_supported(const json& root) {
     std::set<std::string> phrases;

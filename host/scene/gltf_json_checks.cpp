@@ -198,7 +198,7 @@ private:
         for (const json& entry : *required) {
             const auto& name = entry.get_ref<const std::string&>();
             if (name == "KHR_mesh_quantization" || name == "KHR_lights_punctual" || name == "EXT_mesh_gpu_instancing" ||
-                name == "EXT_meshopt_compression" || concerns_shading_only(name))
+                name == "KHR_node_visibility" || name == "EXT_meshopt_compression" || concerns_shading_only(name))
                 continue;
             const bool is_draco = name == "KHR_draco_mesh_compression";
             if (is_draco && has_draco) continue;
@@ -386,6 +386,9 @@ private:
         weights(o, at);
         if (const json* light = extension(o, at, "KHR_lights_punctual"))
             index(*light, at.in("extensions.KHR_lights_punctual"), "light", "lights", Need::required);
+        if (const json* visibility = extension(o, at, "KHR_node_visibility"))
+            find(*visibility, at.in("extensions.KHR_node_visibility"), "visible", Need::optional, &json::is_boolean,
+                 "true or false");
         if (const json* instances = extension(o, at, "EXT_mesh_gpu_instancing")) {
             const Path in_instances = at.in("extensions.EXT_mesh_gpu_instancing");
             const json* all = object(*instances, in_instances, "attributes", Need::required);

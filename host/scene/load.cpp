@@ -103,7 +103,8 @@ struct Work {
     std::vector<Instance> instances;
     std::set<std::string> not_supported;
     std::size_t not_finite_count = 0;
-    std::vector<std::string> orthographic, unusable, not_finite;
+    std::size_t unusable_coordinates = 0;
+    std::vector<std::string> orthographic, unusable, not_finite, moved;
 };
 
 class Loader {
@@ -193,16 +194,32 @@ private:
 
     /// Depth first, children in order, with a stack of our own: a hierarchy may be a million nodes deep.
     void walk(Pose& pose) {
-        std::vector<int> open(document_.root_nodes.rbegin(), document_.root_nodes.rend());
+        struct Open {
+            int node;
+            bool is_visible;
+        };
+        std::vector<Open> open;
+        const auto add = [&open](const std::vector<int>& nodes, bool is_visible) {
+            for (auto node = nodes.rbegin(); node != nodes.rend(); ++node) open.push_back({*node, is_visible});
+        };
+        add(document_.root_nodes, true);
         while (!open.empty()) {
-            const Instance visit{open.back(), pose.world(open.back())};
-            open.pop_back();
+            const Instance visit{open.back().node, pose.world(open.back().node)};
             const tinygltf::Node& node = model_.nodes[std::size_t(visit.node)];
-            if (node.mesh >= 0) add_mesh(visit);
+            const bool is_visible = open.back().is_visible && shows(node);
+            open.pop_back();
+            if (node.mesh >= 0 && is_visible) add_mesh(visit);
             if (node.camera >= 0) add_camera(visit);
-            if (node.extensions.contains("KHR_lights_punctual")) add_light(visit);
-            open.insert(open.end(), node.children.rbegin(), node.children.rend());
+            if (node.extensions.contains("KHR_lights_punctual") && is_visible) add_light(visit);
+            add(node.children, is_visible);
         }
+    }
+
+    /// KHR_node_visibility hides a node's mesh and light, and those of all nodes below it.
+    static bool shows(const tinygltf::Node& node) {
+        const auto found = node.extensions.find("KHR_node_visibility");
+        return found == node.extensions.end() || !found->second.Has("visible") ||
+               found->second.Get("visible").Get<bool>();
     }
 
     void add_mesh(Instance visit) {
@@ -254,7 +271,7 @@ private:
     void add_camera(const Instance& visit) {
         const tinygltf::Node& node = model_.nodes[visit.node];
         const tinygltf::Camera& source = model_.cameras[node.camera];
-        NamedCamera named{name_or(node.name, source.name, "camera", work_.scene.cameras.size()), {}};
+        NamedCamera named{name_or(node.name, source.name, "camera", std::size_t(node.camera)), {}, node.camera};
         if (source.type == "orthographic") {
             work_.orthographic.push_back(in_quotes(named.name));
             return;
@@ -278,7 +295,7 @@ private:
         const tinygltf::Node& node = model_.nodes[visit.node];
         const int index = node.extensions.at("KHR_lights_punctual").Get("light").GetNumberAsInt();
         const tinygltf::Light& source = model_.lights[index];
-        NamedLight named{name_or(node.name, source.name, "light", work_.scene.lights.size()), source.type, {}};
+        NamedLight named{name_or(node.name, source.name, "light", std::size_t(index)), source.type, {}, index};
         const bool is_directional = source.type == "directional";
         // Light travels along the node's -Z.
         const Affine& world = visit.world_from_node;
@@ -412,8 +429,8 @@ private:
     /// The alpha of an image, which is loaded once. Nothing if it cannot be read.
     std::optional<std::uint32_t> alpha_of(int material, const MaterialSource& mask) {
         const auto refuse = [&](const std::string& why) {
-            plan_phrases_.insert("alphaMode " + std::string(mask.is_blend ? "BLEND" : "MASK") + " of " +
-                                 material_text(material) + " (drawn opaque: " + why + ")");
+            say_of(material_text(material), "alphaMode " + std::string(mask.is_blend ? "BLEND" : "MASK"),
+                   "drawn opaque: " + why);
             return std::nullopt;
         };
         if (mask.image < 0) return refuse(mask.unreadable);
@@ -421,9 +438,14 @@ private:
         try {
             cut_outs_.textures.push_back(images_.alpha(mask.image));
         } catch (const std::exception& error) {
-            return refuse("its image cannot be read, " + std::string(error.what()));
+            return refuse(why_unreadable(error));
         }
         return alpha_of_image_[mask.image] = std::uint32_t(cut_outs_.textures.size() - 1);
+    }
+
+    std::string why_unreadable(const std::exception& error) const {
+        const std::string what = error.what(), prefix = file_.string() + ": ";
+        return "its image cannot be read: " + (what.starts_with(prefix) ? what.substr(prefix.size()) : what);
     }
 
     std::uint32_t add_cut_out(const CutOutMaterial& material) {
@@ -497,7 +519,7 @@ private:
             }
         } catch (const SceneError&) {  // the phrase says it
         }
-        plan_phrases_.insert(name + " of " + what + " (ignored: of the wrong type or length)");
+        say_of(what, name, "ignored: of the wrong type or length");
         return -1;
     }
     static int part_positions(const tinygltf::Primitive& primitive) { return primitive.attributes.at("POSITION"); }
@@ -531,7 +553,7 @@ private:
 
     void use_texture(int material, const MaterialSource& source) {
         const auto refuse = [&](const std::string& why) {
-            plan_phrases_.insert("the base colour texture of " + material_text(material) + " (left out: " + why + ")");
+            say_of(material_text(material), "the base colour texture", "left out: " + why);
         };
         if (texture_uses_.contains(material)) return;
         ColorTextureUse& use = texture_uses_[material];
@@ -539,7 +561,7 @@ private:
         try {
             use.texture = images_.colors(source.image);
         } catch (const std::exception& error) {
-            return refuse("its image cannot be read, " + std::string(error.what()));
+            return refuse(why_unreadable(error));
         }
         use.wrap_u = source.wrap_u;
         use.wrap_v = source.wrap_v;
@@ -602,8 +624,7 @@ private:
             if (!is_usable) is_unusable[corner / 3 - first] = 1;
         });
         if (const auto unusable = std::size_t(std::ranges::count(is_unusable, 1)); unusable != 0)
-            work_.not_supported.insert("texture coordinates that are no numbers or more than 2^30 texels away (" +
-                                       counted(unusable, "triangle") + " drawn opaque)");
+            work_.unusable_coordinates += unusable;
     }
 
     void write_colors(const Part& part, const Shape& shape, const Affine& world, std::size_t first) {
@@ -787,6 +808,7 @@ private:
                 if (node.skin >= 0 && !shape.is_skinned())
                     work_.not_supported.insert("a skin without joints and weights (drawn unskinned)");
                 not_finite += write_part(part, node.mesh, shape.is_skinned() ? Affine{} : world, shape, out);
+                if (!world.is_identity()) check_rounding(instance, out, out + part.triangle_count * 9);
                 const std::size_t first = std::size_t(out - work_.scene.triangles.data()) / 9;
                 write_coordinates(part, first);
                 write_cut_outs(part, first);
@@ -852,10 +874,67 @@ private:
 
     // ---- warnings ----
 
+    /// A phrase on one of the file's parts; those that differ in the part alone become one with their number.
+    void say_of(const std::string& part, const std::string& what, const std::string& why) {
+        parts_of_phrase_[{what, why}].insert(part);
+    }
+
+    void add_phrases() {
+        work_.not_supported.insert(plan_phrases_.begin(), plan_phrases_.end());
+        for (const auto& [phrase, parts] : parts_of_phrase_) {
+            const std::string some = listed({parts.begin(), parts.end()}, 3);
+            work_.not_supported.insert(fmt::format("{} of {} ({})", phrase.first, some, phrase.second));
+        }
+        if (work_.unusable_coordinates != 0)
+            work_.not_supported.insert("texture coordinates that are no numbers or more than 2^30 texels away (" +
+                                       counted(work_.unusable_coordinates, "triangle") + " drawn opaque)");
+    }
+
+    /// Whether the alpha of these materials' triangles can be below their cutoff.
+    std::vector<bool> materials_that_cut() const {
+        const SceneCutOuts& cut_outs = work_.scene.cut_outs;
+        std::vector<bool> cuts;
+        for (const CutOutMaterial& material : cut_outs.materials) {
+            float least = has_corner_alphas_ ? 0 : 1;
+            if (material.texture != no_texture)
+                least *= float(std::ranges::min(cut_outs.textures[material.texture].alpha)) / 255;
+            cuts.push_back(least * material.alpha_factor < material.cutoff);
+        }
+        return cuts;
+    }
+
+    void note_cut_outs() {
+        const auto& material_of = work_.scene.cut_outs.material_of_triangle;
+        const std::vector<bool> cuts = materials_that_cut();
+        const auto count = std::ranges::count_if(material_of, [&](auto m) { return m != no_cut_out && cuts[m]; });
+        if (count != 0)
+            work_.scene.notes.push_back(file_.string() +
+                                        ": may be cut out by their alpha: " + counted(std::size_t(count), "triangle"));
+    }
+
+    /// Where a node's transform leads so far away that float32 moves vertices visibly.
+    void check_rounding(const Instance& instance, const float* first, const float* last) {
+        if (first == last) return;
+        double farthest = 0, sizes = 0;
+        for (const float* t = first; t != last; t += 9)
+            for (int c = 0; c < 3; ++c) {
+                const auto [low, high] = std::minmax({t[c], t[c + 3], t[c + 6]});
+                farthest = std::max({farthest, std::fabs(double(low)), std::fabs(double(high))});
+                sizes += double(high) - double(low);
+            }
+        const double size = sizes / (double(last - first) / 9) / 2, move = std::ldexp(farthest, -25);
+        if (size > 0 && std::isfinite(sizes) && std::isfinite(farthest) && move > std::ldexp(size, -8))
+            work_.moved.push_back(fmt::format("{} under {} by up to {:.2g}, its triangles measure {:.2g}",
+                                              mesh_text(model_.nodes[instance.node].mesh), node_text(instance.node),
+                                              move, size));
+    }
+
     void warn(const std::string& what) { work_.scene.warnings.push_back(file_.string() + ": " + what); }
 
     void warn() {
-        work_.not_supported.insert(plan_phrases_.begin(), plan_phrases_.end());
+        add_phrases();
+        if (!work_.moved.empty())
+            warn("float32 moves vertices, for their node lies far from the origin: " + listed(work_.moved, 3));
         if (!work_.not_supported.empty()) {
             const std::vector<std::string> phrases(work_.not_supported.begin(), work_.not_supported.end());
             warn("has what gnomon does not support: " + listed(phrases, phrases.size()));
@@ -873,11 +952,7 @@ private:
         if (!work_.unusable.empty())
             warn("left out, for the node's transform is degenerate: " + listed(work_.unusable));
         if (work_.scene.triangle_count() == 0) warn("has no triangles");
-        if (const auto& cut_outs = work_.scene.cut_outs.material_of_triangle; !cut_outs.empty())
-            work_.scene.notes.push_back(file_.string() + ": cut out by their alpha: " +
-                                        counted(std::size_t(std::count_if(cut_outs.begin(), cut_outs.end(),
-                                                                          [](auto m) { return m != no_cut_out; })),
-                                                "triangle"));
+        note_cut_outs();
         for (const std::string& note : document_.notes) work_.scene.notes.push_back(file_.string() + ": " + note);
     }
 
@@ -897,6 +972,7 @@ private:
     std::map<int, ColorTextureUse> texture_uses_;  ///< of materials
     bool has_corner_alphas_ = false, has_corner_colors_ = false, has_corner_normals_ = false;
     std::set<std::string> plan_phrases_;
+    std::map<std::pair<std::string, std::string>, std::set<std::string>> parts_of_phrase_;  ///< what and why: of what
     std::vector<std::string> points_and_lines_, without_positions_, incomplete_;
     Work work_;
 };

@@ -4,9 +4,11 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -24,15 +26,17 @@ public:
 };
 
 struct NamedCamera {
-    std::string name;  ///< node name, else camera name, else "camera N"
-    Camera camera;     ///< transformed in double; the eye is rounded once
+    std::string name;     ///< node name, else camera name, else "camera N"
+    Camera camera;        ///< transformed in double; the eye is rounded once
+    int file_index = -1;  ///< of the file's cameras; -1: of no file
 };
 
 /// KHR_lights_punctual. A spot is positional for visibility: its cone and range are shading.
 struct NamedLight {
-    std::string name;  ///< node name, else light name, else "light N"
-    std::string type;  ///< "directional", "point" or "spot"
-    Light light;       ///< transformed in double, rounded once
+    std::string name;     ///< node name, else light name, else "light N"
+    std::string type;     ///< "directional", "point" or "spot"
+    Light light;          ///< transformed in double, rounded once
+    int file_index = -1;  ///< of the file's lights; -1: of no file
 };
 
 /// Cut-outs that the scene owns.
@@ -158,10 +162,34 @@ private:
 /// The built-in sundial, with a camera and a light.
 Scene sundial();
 
-/// For scenes without a camera: one that frames all finite triangles from a three-quarter view (fov_y 50 degrees). An
+/// The camera of scenes without one. It frames all finite triangles, without wide ground that they stand on, in the
+/// middle of the picture (fov_y 50 degrees), from a three-quarter view, or from where far more of them is seen. An
 /// interior, whose walls and floor show their fronts to its middle and to the outside backs or a plain box, is seen
 /// from inside (65 degrees).
-Camera framing_camera(const Scene& scene);
+class Framing {
+public:
+    /// `aspect`: the picture's width over its height.
+    Framing(const Scene& scene, double aspect);
+    /// Frames this scene's triangles, too: another time of an animation.
+    void add(const Scene& scene);
+    Camera camera() const;
+
+private:
+    static constexpr double nothing = -std::numeric_limits<double>::infinity();
+
+    double aspect_;
+    Camera camera_;
+    bool is_interior_ = false;
+    double above_ = nothing;          ///< triangles up to this height are ground
+    std::array<double, 3> middle_{};  ///< the other numbers count from it
+    /// What is known for one slope of the sides of the seen pyramid, to the right, left, up and down.
+    struct Reach {
+        double slope = 0;  ///< as a part of the picture's
+        std::array<double, 4> sides{nothing, nothing, nothing, nothing};
+    };
+    std::array<Reach, 16> reaches_{};
+};
+Camera framing_camera(const Scene& scene, double aspect = 1);
 
 /// The light of a scene without lights, if no option gives one: directional, travelling along (-0.4, -1, -0.3).
 Light default_light();

@@ -715,7 +715,6 @@ TEST_F(Command, HoursOfPointsAndPictures) {
 
 TEST_F(Command, HoursRefusesWhatHasNoMeaning) {
     std::ofstream(in_folder("suns.csv")) << "0,-1,0\n";
-    std::ofstream(in_folder("none.csv")) << "azimuth,elevation\n3,-1\n";
     std::ofstream(in_folder("points.csv")) << "x,y\n0,0\n";
     const struct {
         Arguments arguments;
@@ -726,6 +725,10 @@ TEST_F(Command, HoursRefusesWhatHasNoMeaning) {
         {{"-o", "a.png", "--directions", "suns.csv", "--place", "1,2", "--day", "2026-01-01"}, 2, "excludes --place"},
         {{"-o", "a.png", "--place", "1,2"}, 2, "--place needs --day"},
         {{"-o", "a.png", "--place", "91,2", "--day", "2026-01-01"}, 2, "a latitude from -90 to 90"},
+        {{"-o", "a.png", "--place", "48°12'N,16°22'E", "--day", "2026-01-01"},
+         2,
+         "in decimal degrees, such as 48.2,16.4"},
+        {{"-o", "a.png", "--place", "48,2,16,4", "--day", "2026-01-01"}, 2, "in decimal degrees, such as 48.2,16.4"},
         {{"-o", "a.png", "--place", "1", "--day", "2026-01-01"}, 2, "--place needs a latitude"},
         {{"-o", "a.png", "--place", "1,2", "--day", "2026-02-30"}, 2, "needs a day as 2026-06-21"},
         {{"-o", "a.png", "--place", "1,2", "--day", "2026-02-3x"}, 2, "needs a day as 2026-06-21"},
@@ -735,7 +738,6 @@ TEST_F(Command, HoursRefusesWhatHasNoMeaning) {
         {{"-o", "a.csv", "--directions", "suns.csv"}, 2, "ends with .png"},
         {{"-o", "a.png", "--directions", "suns.csv", "--points", "points.csv"}, 2, "ends with .csv or .npy"},
         {{"-o", "a.csv", "--directions", "suns.csv", "--points", "points.csv"}, 1, "points need the columns x, y, z"},
-        {{"-o", "a.png", "--directions", "none.csv"}, 1, "no sun of the table is above the horizon"},
         {{"-o", "a.png", "--directions", "missing.csv"}, 1, "cannot read missing.csv"},
         {{"--aov", "a.exr", "--directions", "suns.csv", "--write-directions", "suns.csv"},
          1,
@@ -746,6 +748,52 @@ TEST_F(Command, HoursRefusesWhatHasNoMeaning) {
         all.insert(all.end(), arguments.begin(), arguments.end());
         expect_failure(all, exit_code, sentence);
     }
+}
+
+// The sun is above the square everywhere it is up: a point beside it has a whole polar day, all points have no polar
+// night. Places are written as maps copy them.
+TEST_F(Command, HoursOfPolarDaysAndNights) {
+    write_scene(folder_, "square", floor_and_square());
+    std::ofstream(in_folder("points.csv")) << "Easting;Northing;Height\r\n90;1000;0\r\n95;1000;0\r\n";
+    std::ofstream(in_folder("night.csv")) << "azimuth,elevation\n3,-1\n";
+    const auto hours = [&](const Arguments& suns) {
+        Arguments all{"hours", "square.gltf", "--points", "points.csv", "-o", "out.csv"};
+        all.insert(all.end(), suns.begin(), suns.end());
+        const Outcome outcome = run(all);
+        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+        return text_of(in_folder("out.csv"));
+    };
+    const std::string head = "x,y,z,value\n", none = "90,1000,0,0\n95,1000,0,0\n", day = "90,1000,0,24\n95,1000,0,24\n";
+    EXPECT_EQ(hours({"--directions", "night.csv"}), head + none);
+    const Outcome asked = run({"hours", "--place", "1,2", "--day", "2026-01-01", "-o", "a.png", "--size", "8x8"});
+    if (asked.err.find("built without ERFA") != std::string::npos) GTEST_SKIP() << "no ERFA";
+    EXPECT_EQ(hours({"--place", "78.2, 15.6", "--day", "2026-12-21"}), head + none);
+    EXPECT_EQ(hours({"--place", " 78.2 ,15.6 ", "--day", "2026-06-21", "--step", "10"}), head + day);
+    EXPECT_EQ(run({"hours", "square.gltf", "--place", "78.2,15.6", "--day", "2026-12-21", "-o", "a.png", "--camera",
+                   "above", "--size", "16x16"})
+                  .exit_code,
+              0)
+        << "a picture of a polar night";
+}
+
+// What is seen badly is said, with what to try.
+TEST_F(Command, HintsSayWhatToTry) {
+    write_scene(folder_, "square", floor_and_square());
+    const auto said = [&](const Arguments& more) {
+        Arguments all{"render", "square.gltf", "--size", "8x8", "-o", "a.png"};
+        all.insert(all.end(), more.begin(), more.end());
+        const Outcome outcome = run(all);
+        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+        return outcome.out;
+    };
+    const std::string upwards = said({"--eye", "0,9,0", "--target", "0,99,1"});
+    EXPECT_NE(upwards.find("the camera sees no triangle: --eye X,Y,Z"), std::string::npos) << upwards;
+    EXPECT_NE(upwards.find("1 other light of the scene is unused: --light NAME"), std::string::npos) << upwards;
+    const Arguments down{"--eye", "1,2,1", "--target", "1,0,1.01", "--light-direction", "0,1,0"};
+    const std::string dark = said(down);
+    EXPECT_NE(dark.find("no light reaches what the camera sees"), std::string::npos) << dark;
+    EXPECT_EQ(dark.find("unused"), std::string::npos) << dark;
+    EXPECT_EQ(said({"--light", "sun"}).find("hint"), std::string::npos);
 }
 
 TEST_F(Command, SamplesAndTheirPoints) {

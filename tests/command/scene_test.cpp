@@ -427,13 +427,81 @@ TEST_F(SceneFile, OneWarningNamesAllThatIsNotSupported) {
     gltf.set("/materials", R"([{"alphaMode": "MASK"}, {"alphaMode": "BLEND"}])");
     gltf.set("/skins", R"([{"joints": [0]}])");
     gltf.set("/nodes/0/skin", "0");
-    gltf.set("/extensionsUsed", R"(["KHR_materials_unlit", "KHR_node_visibility"])");
+    gltf.set("/extensionsUsed", R"(["KHR_materials_unlit", "ACME_warp"])");
     const Scene scene = load(gltf);
     EXPECT_EQ(scene.triangle_count(), 2u);
     ASSERT_EQ(scene.warnings.size(), 1u);
-    expect_warning(scene,
-                   {"a skin without joints and weights", "alphaMode MASK", "alphaMode BLEND", "'KHR_node_visibility'"});
+    expect_warning(scene, {"a skin without joints and weights", "alphaMode MASK", "alphaMode BLEND", "'ACME_warp'"});
     EXPECT_EQ(scene.warnings[0].find("KHR_materials_unlit"), std::string::npos) << "colour only";
+}
+
+// KHR_node_visibility hides a node and all nodes below it, but no camera.
+TEST_F(SceneFile, HiddenNodesAreNotDrawn) {
+    Gltf gltf = triangle_file();
+    gltf.add("cameras", R"({"type": "perspective", "perspective": {"yfov": 0.75, "znear": 0.1}})");
+    gltf.set("/extensions", R"({"KHR_lights_punctual": {"lights": [{"type": "point"}, {"type": "point"}]}})");
+    gltf.set("/extensionsRequired", R"(["KHR_node_visibility"])");
+    gltf.set("/nodes", R"([{"mesh": 0, "extensions": {"KHR_node_visibility": {"visible": true}}},
+        {"mesh": 0, "camera": 0, "children": [2], "extensions": {"KHR_node_visibility": {"visible": false},
+                                                                 "KHR_lights_punctual": {"light": 0}}},
+        {"mesh": 0, "extensions": {"KHR_node_visibility": {"visible": true}}},
+        {"extensions": {"KHR_node_visibility": {}, "KHR_lights_punctual": {"light": 1}}}])");
+    gltf.set("/scenes", R"([{"nodes": [0, 1, 3]}])");
+    const Scene scene = load(gltf);
+    EXPECT_EQ(scene.triangle_count(), 1u);
+    EXPECT_TRUE(scene.warnings.empty());
+    EXPECT_EQ(scene.cameras.size(), 1u);
+    ASSERT_EQ(scene.lights.size(), 1u);
+    EXPECT_EQ(scene.lights[0].name, "light 1") << "the number in the file";
+    EXPECT_EQ(scene.lights[0].file_index, 1);
+    gltf.set("/nodes/0/extensions/KHR_node_visibility/visible", "0");
+    expect_error(gltf, {"KHR_node_visibility", "visible", "must be true or false"});
+}
+
+TEST_F(SceneFile, CamerasHaveTheNumbersOfTheFile) {
+    Gltf gltf = triangle_file();
+    gltf.add("cameras", R"({"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 1, "znear": 0, "zfar": 9}})");
+    gltf.add("cameras", R"({"type": "perspective", "perspective": {"yfov": 1, "znear": 0.1}})");
+    gltf.node(R"({"camera": 0})");
+    gltf.node(R"({"camera": 1})");
+    const Scene scene = load(gltf);
+    ASSERT_EQ(scene.cameras.size(), 1u);
+    EXPECT_EQ(scene.cameras[0].name, "camera 1");
+    EXPECT_EQ(scene.cameras[0].file_index, 1);
+}
+
+// 89 equal sentences are one.
+TEST_F(SceneFile, EqualWarningsAreOneWithTheirParts) {
+    Gltf gltf = triangle_file();
+    std::string primitives, materials;
+    for (int i = 0; i < 89; ++i) {
+        const std::string comma = i == 0 ? "" : ",";
+        primitives +=
+            comma + R"({"attributes": {"POSITION": 0, "TEXCOORD_0": 0}, "material": )" + std::to_string(i) + "}";
+        materials += comma + R"({"alphaMode": "MASK", "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}})";
+    }
+    gltf.set("/meshes/0/primitives", "[" + primitives + "]");
+    gltf.set("/materials", "[" + materials + "]");
+    gltf.set("/textures", R"([{"source": 0}])");
+    gltf.set("/images", R"([{"uri": "bark.png"}])");
+    const auto image = [](std::span<const unsigned char>, std::uint64_t) { return gnomon::scene::ColorImage{}; };
+    const Scene scene = load(gltf, {.decode_colors = image});
+    ASSERT_EQ(scene.warnings.size(), 1u);
+    expect_warning(scene, {"TEXCOORD_0 of primitive 0 of mesh 'thing'", "86 more (ignored: of the wrong type"});
+    EXPECT_LT(scene.warnings[0].size(), 700u) << scene.warnings[0];
+}
+
+// A node of Earth size moves float32 vertices: .25 m here, at triangles of 1 m. One far away, but large, does not.
+TEST_F(SceneFile, NodesOfEarthSizeAreNamed) {
+    Gltf gltf = triangle_file();
+    gltf.set("/nodes/0/translation", "[4500001.1, 0, 5300001.1]");
+    gltf.set("/nodes/0/name", R"("place")");
+    expect_warning(load(gltf), {"float32 moves vertices", "mesh 'thing' under node 'place' by up to 0.1"});
+    gltf.set("/nodes/0/scale", "[1e6, 1e6, 1e6]");
+    EXPECT_TRUE(load(gltf).warnings.empty());
+    gltf.set("/nodes/0/scale", "[1, 1, 1]");
+    gltf.set("/nodes/0/translation", "[451.1, 0, 531.1]");
+    EXPECT_TRUE(load(gltf).warnings.empty());
 }
 
 TEST_F(SceneFile, GlassIsNamed) {
@@ -969,6 +1037,96 @@ TEST(Defaults, FramingCameraSeesEveryVertex) {
         }
     }
     EXPECT_TRUE(std::isfinite(gnomon::scene::framing_camera({}).eye[0])) << "an empty scene has a camera too";
+}
+
+/// How much of the picture's width and height the box of projected vertices takes, and where its middle lies (0: in the
+/// middle of the picture), for a picture of this aspect.
+struct Shown {
+    double width, height, middle_x, middle_y;
+};
+Shown shown(const gnomon::Camera& camera, const std::vector<float>& vertices, double aspect) {
+    double low[2] = {1e300, 1e300}, high[2] = {-1e300, -1e300};
+    const double slope = std::tan(camera.fov_y_radians / 2);
+    for (std::size_t v = 0; v < vertices.size(); v += 3) {
+        double p[3] = {};
+        for (std::size_t i = 0; i < 3; ++i) {
+            const double d = double(vertices[v + i]) - double(camera.eye[i]);
+            p[0] += d * camera.right[i] / (slope * aspect);
+            p[1] += d * camera.up[i] / slope;
+            p[2] += d * camera.forward[i];
+        }
+        for (int i = 0; i < 2; ++i) {
+            low[i] = std::min(low[i], p[i] / p[2]);
+            high[i] = std::max(high[i], p[i] / p[2]);
+        }
+    }
+    return {(high[0] - low[0]) / 2, (high[1] - low[1]) / 2, (high[0] + low[0]) / 2, (high[1] + low[1]) / 2};
+}
+
+std::vector<float> cuboid(const Float3& low, const Float3& high) {
+    std::vector<float> triangles;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        for (const bool is_high : {false, true})
+            for (const auto& order : {std::array{0, 1, 2}, std::array{0, 2, 3}})
+                for (std::size_t k = 0; k < 3; ++k) {
+                    const int corner = order[is_high ? k : 2 - k];
+                    const bool at[3] = {is_high, corner == 1 || corner == 2, corner >= 2};
+                    for (std::size_t c = 0; c < 3; ++c) triangles.push_back(at[(c + 3 - axis) % 3] ? high[c] : low[c]);
+                }
+    return triangles;
+}
+
+std::vector<float> together(std::vector<float> a, const std::vector<float>& b) {
+    a.insert(a.end(), b.begin(), b.end());
+    return a;
+}
+
+// The box of what is to be seen takes 60 to 95 % of one side of the picture, is inside of it and in its middle.
+TEST(DefaultCamera, FillsThePicture) {
+    const std::vector<float> cube = cuboid({-1, 0, -1}, {1, 2, 1});
+    const std::vector<float> far_off = cuboid({899, 0, -1}, {901, 2, 1});
+    const std::vector<float> ground = cuboid({-50, -0.01f, -50}, {50, 0, 50});
+    const struct {
+        const char* name;
+        std::vector<float> content, beside;
+    } cases[] = {
+        {"a cube", cube, {}},
+        {"on wide ground", cube, ground},
+        {"a tower", cuboid({0, 0, 0}, {1, 50, 1}), {}},
+        {"a wide plate", cuboid({0, 0, 0}, {100, 0.1f, 60}), {}},
+        {"a plane", cuboid({-3, 0, -3}, {3, 0, 3}), {}},
+        {"a wall to the east", cuboid({0, 0, -5}, {0, 3, 5}), {}},
+        {"a wall to the north", cuboid({-5, 0, 0}, {5, 3, 0}), {}},
+        {"a wall seen edge-on from the first viewer", {0, 0, 0, 8, 0, 10, 8, 5, 10, 0, 0, 0, 8, 5, 10, 0, 5, 0}, {}},
+        {"a long thing", cuboid({-500, 0, 0}, {500, 1, 1}), {}},
+        {"two things far apart", together(cube, far_off), {}},
+        {"small and far from the origin", cuboid({1000, 1000, 1000}, {1001, 1001, 1001}), {}},
+        {"ground alone", ground, {}},
+        {"Earth-size", cuboid({4.5e6f, 0, 5.3e6f}, {4.6e6f, 1e4f, 5.4e6f}), {}},
+    };
+    for (const double aspect : {16.0 / 9, 1.0, 0.5})
+        for (const auto& [name, content, beside] : cases) {
+            Scene scene;
+            scene.triangles = together(content, beside);
+            const Shown box = shown(gnomon::scene::framing_camera(scene, aspect), content, aspect);
+            EXPECT_GE(std::max(box.width, box.height), 0.6) << name << ' ' << aspect;
+            EXPECT_LE(std::max(box.width, box.height), 0.95) << name << ' ' << aspect;
+            EXPECT_LT(std::abs(box.middle_x), 0.06) << name << ' ' << aspect;
+            EXPECT_LT(std::abs(box.middle_y), 0.06) << name << ' ' << aspect;
+            EXPECT_GE(std::min(box.width, box.height), 0.005) << name << ": not edge-on";
+        }
+}
+
+// A sequence: what moves stays in the picture.
+TEST(DefaultCamera, FramesTheWholeMotion) {
+    Scene first, last;
+    first.triangles = cuboid({0, 0, 0}, {1, 1, 1});
+    last.triangles = cuboid({30, 5, 0}, {31, 6, 1});
+    gnomon::scene::Framing framing(first, 1);
+    framing.add(last);
+    const Shown box = shown(framing.camera(), together(first.triangles, last.triangles), 1);
+    EXPECT_GE(std::max(box.width, box.height), 0.6);
+    EXPECT_LE(std::max(std::abs(box.middle_x) + box.width, std::abs(box.middle_y) + box.height), 0.95);
 }
 
 /// A box around (2, 1, 3), 8 x 3 x 4 metres. `is_inward`: its fronts are inside.

@@ -4,6 +4,7 @@
 #include "app/suns.hpp"
 
 #include <gtest/gtest.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <bit>
@@ -11,8 +12,11 @@
 #include <cmath>
 #include <fstream>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <numbers>
 #include <sstream>
+
+#include "scene/number_table.hpp"
 
 namespace {
 
@@ -197,9 +201,67 @@ TEST_F(Suns, RefusesWhatItCannotRead) {
     expect_refused("x,y,z\n1,2,3x\n", "which is no finite number");
     expect_refused("x,y,z\n0,0,0\n", "line 2 has the direction 0,0,0");
     expect_refused("azimuth,elevation\n10,91\n", "an elevation beyond 90 degrees");
-    expect_refused("x,y,z,weight\n1,2,3,1e39\n", "a weight beyond float32");
+    expect_refused("x,y,z,weight\n1,2,3,1e39\n", "line 2 has weight = \"1e39\", which is beyond float32");
     expect_refused("up,x,y,z\ny,1,-2,3\nx,1,-2,3\n", "line 3 has up = \"x\", which is neither y nor z");
     EXPECT_THROW(read_suns(folder_ / "none.csv", 0), gnomon::Error);
 }
+
+// tests/python/study/test_sun_tables.py reads the same tables.
+TEST(NumberTable, ReadsTablesAsPeopleHaveThem) {
+    const auto cases = nlohmann::json::parse(std::ifstream(GNOMON_TESTS "/command/tables_of_points.json"));
+    const std::vector<std::string> names{"x", "y", "z"};
+    const gnomon::scene::TableColumns columns{{names, {"x", "y", "z", "nx", "ny", "nz"}},
+                                              gnomon::scene::point_headings()};
+    for (const auto& one : cases["read"]) {
+        const gnomon::scene::NumberTable table(one["text"].get<std::string>(), "t.csv", columns);
+        ASSERT_EQ(table.rows(), 2u) << one["name"];
+        for (std::size_t row = 0; row < 2; ++row)
+            for (std::size_t c = 0; c < 3; ++c) {
+                EXPECT_EQ(table.number(row, names[c]), cases["points"][row][c].get<double>()) << one["name"];
+                EXPECT_EQ(table.float_number(row, names[c]), cases["points"][row][c].get<float>()) << one["name"];
+            }
+    }
+    for (const auto& one : cases["refused"]) try {
+            const gnomon::scene::NumberTable table(one["text"].get<std::string>(), "t.csv", columns);
+            table.require(names, "points need the columns x, y, z");
+            for (const std::string& name : names) table.numbers(name);
+            ADD_FAILURE() << "accepted: " << one["name"];
+        } catch (const gnomon::InvalidArgument& error) {
+            const std::string why = one["why"];
+            EXPECT_NE(std::string(error.what()).find(why), std::string::npos) << one["name"] << ": " << error.what();
+            EXPECT_TRUE(std::string(error.what()).starts_with("t.csv")) << error.what();
+        }
+}
+
+// The text lies a little above the middle of two floats, and its double on it. By way of the double it would be 1.
+TEST(NumberTable, AFloatIsRoundedOnce) {
+    const std::string text = "1.000000059604644776";  // 1 + 2^-24 + 1e-19, a tie for its double
+    const gnomon::scene::NumberTable table(text + "\n", "t.csv", {{{"x"}}});
+    EXPECT_EQ(float(table.number(0, "x")), 1.0f);
+    EXPECT_EQ(table.float_number(0, "x"), std::nextafter(1.0f, 2.0f));
+}
+
+TEST_F(Suns, TablesMayBePacked) {
+    const std::string text = "x,y,z,weight\n0,-1,0,2\n";
+    const fs::path packed = folder_ / "suns.csv.gz";
+    const gzFile out = gzopen(packed.c_str(), "wb");
+    gzwrite(out, text.data(), unsigned(text.size()));
+    gzclose(out);
+    EXPECT_EQ(read_suns(packed, 0).suns.at(0).weight, 2);
+    EXPECT_EQ(table_file_text(packed), text);
+}
+
+// 144 x 10 minutes are 24 hours: a sixth of an hour is no float, so that its sums would not be.
+#ifdef GNOMON_HAS_ERFA
+TEST_F(Suns, SumsOfStepsAreExact) {
+    const SunTable day = suns_of_place({80, 0, {2026, 6, 21}, 10, 0, false}, 0);
+    EXPECT_EQ(day.suns.size(), 144u);
+    EXPECT_EQ(day.sum_of_weights(), 24);
+    const gnomon::Lights lights = day.lights();
+    std::int64_t whole = 0;
+    for (const std::int64_t weight : lights.whole_weights()) whole += weight;
+    EXPECT_EQ(std::ldexp(double(whole), lights.exponent()) / day.weights_per_unit(), 24);
+}
+#endif
 
 }  // namespace

@@ -1,11 +1,9 @@
 # SPDX-License-Identifier: MIT
 """gnomon on arrays of pyopencl, which a kernel of the program's own has made: gnomon copies none of them."""
 
-import numpy as np
-
-import gnomon
-
 # README begins
+import gnomon
+import numpy as np
 import pyopencl as cl
 import pyopencl.array
 

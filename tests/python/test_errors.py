@@ -75,7 +75,7 @@ def test_a_side_is_a_side(scene):
         (np.zeros((2, 2)), r"points: shape \(2, 2\)"),
         (np.zeros(3), r"points: shape \(3,\)"),
         ([[0, 0, 0], [0, 0, np.nan]], "points: row 1 .* is not finite"),
-        ([[0.1, 0, 0]], "points: row 0 .* float32 does not hold"),
+        ([[0, 0, 0], [1e39, 0, 0]], "points: row 1 .* is beyond float32"),
         ([["a", "b", "c"]], "points: must be real numbers"),
     ],
 )

@@ -7,7 +7,6 @@ import sys
 from importlib.resources import files
 
 import gnomon
-import pytest
 
 
 def run(code, **environment):
@@ -78,22 +77,6 @@ except KeyboardInterrupt:
 """
     done = run(code)
     assert done.stdout == "interrupted True (3,)\n", done.stderr
-
-
-def test_a_fork_is_refused():
-    if not hasattr(os, "fork"):
-        pytest.skip("no fork here")
-    code = """
-import gnomon, numpy, os
-scene = gnomon.Scene(numpy.eye(3)[None])
-scene.lit(numpy.zeros((1, 3)), direction=(0, 0, 1))
-if os.fork() == 0:
-    try: scene.lit(numpy.zeros((1, 3)), direction=(0, 0, 1))
-    except RuntimeError as e: print("fork" in str(e), flush=True)
-    os._exit(0)
-os.wait()
-"""
-    assert run(code).stdout == "True\n"
 
 
 def test_signals_are_left_alone():

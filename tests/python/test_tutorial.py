@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""docs/python.md: its blocks run one after the other, and its picture is one."""
+"""Python in README.md and docs/python.md: each section is a program of its own, so that a copy of it runs. Its blocks run
+one after the other. (docs/studies.md: tests/python/study/test_outputs.py.)"""
 
 import re
 from pathlib import Path
@@ -7,18 +8,40 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-PAGE = Path(__file__).parents[2] / "docs" / "python.md"
+ROOT = Path(__file__).parents[2]
+BLOCK = re.compile(r"```python\n(.*?)```", re.DOTALL)
 
 
-def test_the_tutorial_runs(tmp_path, monkeypatch, capsys):
-    image = pytest.importorskip("PIL.Image")
-    pytest.importorskip("pyopencl")
+def sections(page):
+    """The Python blocks of a page, by section."""
+    found = {}
+    for section in re.split(r"^## ", (ROOT / page).read_text(), flags=re.MULTILINE):
+        if blocks := BLOCK.findall(section):
+            found[f"{page}: {section.splitlines()[0]}"] = blocks
+    return found
+
+
+SECTIONS = sections("docs/python.md") | sections("README.md")
+
+
+def test_all_pages_with_python_are_run():
+    pages = [p for p in [*ROOT.glob("docs/*.md"), *ROOT.glob("*.md")] if "```python" in p.read_text()]
+    assert sorted(p.name for p in pages) == ["README.md", "python.md", "studies.md"] and len(SECTIONS) == 5
+
+
+@pytest.mark.parametrize("name", SECTIONS)
+def test_a_section_runs(name, tmp_path, monkeypatch, capsys):
+    if "on the device" in name:
+        pytest.importorskip("pyopencl")
     monkeypatch.chdir(tmp_path)
-    blocks = re.findall(r"```python\n(.*?)```", PAGE.read_text(), re.DOTALL)
-    assert len(blocks) >= 6
     names = {"__name__": "tutorial"}
-    for block in blocks:
-        exec(compile(block, str(PAGE), "exec"), names)
-    assert "of the ground is in the sun" in capsys.readouterr().out
-    picture = np.asarray(image.open("street.png"))
-    assert picture.shape == (360, 640, 4) and picture[..., :3].std() > 20
+    for block in SECTIONS[name]:
+        exec(compile(block, name, "exec"), names)
+    if "A tutorial" in name:
+        assert "of the ground is in the sun" in capsys.readouterr().out
+        picture = np.asarray(pytest.importorskip("PIL.Image").open("street.png"))
+        assert picture.shape == (360, 640, 4) and picture[..., :3].std() > 20
+    elif "In short" in name:
+        assert names["lit"].tolist() == [False, False, True]
+    elif "From Python" in name:
+        assert names["lit"].tolist() == [False, True]

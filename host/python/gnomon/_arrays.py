@@ -17,12 +17,81 @@ def is_on_device(array: Any) -> bool:
 
 
 def on_host(array: Any, name: str) -> NDArray[Any]:
-    """A numpy array of an object with the array or the DLPack protocol, or of a sequence."""
+    """A numpy array of an object with the array or the DLPack protocol, or of a sequence. What is masked, None or
+    pandas.NA, or no data by a DataArray's attributes, is NaN."""
     if is_on_device(array):
         raise TypeError(f"{name}: must be an array in host memory, not a pyopencl array")
     if not hasattr(array, "__array__") and hasattr(array, "__dlpack__"):
         return np.from_dlpack(array)
-    return np.asarray(array)
+    values = np.ma.array(array) if _has_mask(array) else np.asarray(array)
+    absent = np.ma.getmaskarray(values) if isinstance(values, np.ma.MaskedArray) else _declared_absent(array, values)
+    if values.dtype == object:
+        values, absent = _numbers_of(np.asarray(values), absent)
+    if absent is None or not absent.any():
+        return np.asarray(values)
+    real = values.dtype if values.dtype.kind == "f" else np.dtype(np.float64)
+    return np.where(absent, np.array(np.nan, real), np.asarray(values).astype(real))
+
+
+def _has_mask(array: Any) -> bool:
+    """A list of masked arrays has a mask, too, which numpy.asarray() drops."""
+    return isinstance(array, np.ma.MaskedArray) or (
+        isinstance(array, list | tuple) and any(isinstance(one, np.ma.MaskedArray) for one in array)
+    )
+
+
+def _declared_absent(array: Any, values: NDArray[Any]) -> NDArray[np.bool_] | None:
+    """Where an xarray.DataArray that was read as it lies in its file has the value that stands for no data."""
+    absent = None
+    if hasattr(array, "dims") and values.dtype.kind in "iuf":
+        for key in ("_FillValue", "missing_value", "nodata"):
+            for value in np.atleast_1d(getattr(array, "attrs", {}).get(key, ())):
+                absent = (values == value) | (False if absent is None else absent)
+    return absent
+
+
+def _numbers_of(
+    objects: NDArray[Any], absent: NDArray[np.bool_] | None
+) -> tuple[NDArray[Any], NDArray[np.bool_] | None]:
+    """Python's integers as int64, its numbers as float64; None and pandas.NA as NaN. Other objects stay what they are."""
+    is_absent = np.array([one is None or type(one).__name__ in ("NAType", "NaTType") for one in objects.flat], bool)
+    is_absent = is_absent.reshape(objects.shape) | (False if absent is None else absent)
+    try:
+        if all(isinstance(one, int | np.integer) for one in objects.flat):
+            return objects.astype(np.int64), None
+        return np.where(is_absent, np.nan, objects).astype(np.float64), is_absent
+    except (TypeError, ValueError):
+        return objects, absent
+
+
+def integers_on_host(array: Any, name: str) -> NDArray[Any]:
+    """The same of integers, none of which may be absent."""
+    values = on_host(array, name)
+    if values.dtype.kind == "f" and np.isnan(values).any():
+        row = first_row(np.isnan(values).reshape(len(values), -1).any(axis=1))
+        raise ValueError(f"{name}: row {row} is masked or has no value")
+    require_integers(values, name)
+    return values
+
+
+#: Values that files hold where they have no data, and that no place has: the extremes of float and double, netCDF's
+#: and Surfer's.
+FILL_VALUES = (*(s * float(np.finfo(t).max) for t in (np.float32, np.float64) for s in (-1, 1)),
+               9.969209968386869e36, 1.70141e38, 1.7014118346046923e38)  # fmt: skip
+
+
+def require_no_fill_values(array: NDArray[Any], name: str) -> None:
+    """Rows (N, ...) of real numbers. A value that is far out is looked at alone."""
+    if array.dtype.kind != "f" or not array.size or max(-float(np.nanmin(array)), float(np.nanmax(array))) < 1e36:
+        return
+    with np.errstate(over="ignore"):
+        is_fill = np.isin(array, np.array(FILL_VALUES).astype(array.dtype)) & np.isfinite(array)
+    row = first_row(is_fill.reshape(len(array), -1).any(axis=1))
+    if row is not None:
+        raise ValueError(
+            f"{name}: row {row} {array[row].tolist()} has a value that stands for no data in files: make it NaN "
+            "(points, with nan='absent'), or leave the row out"
+        )
 
 
 def first_row(rows: NDArray[np.bool_]) -> int | None:
@@ -50,16 +119,23 @@ def not_float32(array: NDArray[Any]) -> int | None:
     return first_row(~is_float32.all(axis=tuple(range(1, array.ndim))))
 
 
+def moved_by_float32(array: NDArray[Any]) -> float:
+    """The largest distance by which rounding to float32 moves a coordinate; NaN does not count."""
+    if array.dtype == np.float32 or not array.size:
+        return 0.0
+    with np.errstate(over="ignore", invalid="ignore"):
+        moved = np.abs(array.astype(np.float32).astype(np.float64) - array)
+    return float(np.nanmax(moved, initial=0.0)) if not np.isnan(moved).all() else 0.0
+
+
 def float32_of(array: NDArray[Any], name: str) -> NDArray[np.float32]:
-    """The values as float32, C-contiguous. Nothing is rounded: float64 values must be float32 values."""
-    row = not_float32(array)
+    """The values as float32, C-contiguous, each rounded once."""
+    with np.errstate(over="ignore"):
+        rounded = np.ascontiguousarray(array, dtype=np.float32)
+    row = first_row(np.asarray((np.isinf(rounded) & np.isfinite(array)).any(axis=1)))
     if row is not None:
-        raise ValueError(
-            f"{name}: row {row} {array[row].tolist()} has a value that float32 does not hold, and rounding would "
-            "move it: make the scene with lattice=, to which float64 coordinates are snapped, or round them "
-            "yourself with astype(numpy.float32)"
-        )
-    return np.ascontiguousarray(array, dtype=np.float32)
+        raise ValueError(f"{name}: row {row} {array[row].tolist()} is beyond float32")
+    return rounded
 
 
 def rows_of_triples(array: Any, name: str) -> NDArray[Any]:
@@ -81,7 +157,9 @@ def all_finite(array: NDArray[Any]) -> bool:
 def require_finite(array: NDArray[Any], name: str) -> None:
     if not all_finite(array):
         row = first_row(~np.isfinite(array).all(axis=1))
-        raise ValueError(f"{name}: row {row} {array[row].tolist()} is not finite")
+        if row is not None:
+            raise ValueError(f"{name}: row {row} {array[row].tolist()} is not finite, or is masked")
+    require_no_fill_values(array, name)
 
 
 def triple(value: Any, name: str) -> tuple[float, float, float]:
@@ -109,10 +187,9 @@ def triangles_of(vertices: Any, faces: Any) -> NDArray[Any]:
     if values.ndim != 2 or values.shape[1] != 3:
         raise ValueError(f"vertices: shape {values.shape} is not (V, 3)")
     require_finite(values, "vertices")
-    indices = on_host(faces, "faces")
+    indices = integers_on_host(faces, "faces")
     if indices.ndim != 2 or indices.shape[1] != 3:
         raise ValueError(f"faces: shape {indices.shape} is not (F, 3)")
-    require_integers(indices, "faces")
     row = first_row(np.asarray(((indices < 0) | (indices >= len(values))).any(axis=1)))
     if row is not None:
         raise ValueError(f"faces: row {row} {indices[row].tolist()} names a vertex that is not in 0..{len(values) - 1}")
@@ -120,11 +197,12 @@ def triangles_of(vertices: Any, faces: Any) -> NDArray[Any]:
 
 
 def receivers_of(receivers: Any, shape: tuple[int, ...], triangle_count: int) -> NDArray[np.uint32]:
-    """Ids of triangles, one per point; negative: none."""
-    ids = on_host(receivers, "receivers")
+    """Ids of triangles, one per point; negative or masked: none."""
+    if isinstance(receivers, np.ma.MaskedArray):
+        receivers = receivers.filled(-1)
+    ids = integers_on_host(receivers, "receivers")
     if ids.shape != shape:
         raise ValueError(f"receivers: shape {ids.shape} is not the points' {shape}")
-    require_integers(ids, "receivers")
     flat = ids.reshape(-1)
     row = first_row((flat >= triangle_count) & (flat != NO_RECEIVER))
     if row is not None:

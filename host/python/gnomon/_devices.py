@@ -3,11 +3,14 @@
 
 from __future__ import annotations
 
+import collections
 import contextlib
 import ctypes
+import functools
 import importlib.util
 import os
 import threading
+import weakref
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -19,6 +22,16 @@ Result = TypeVar("Result")
 
 _lock = threading.RLock()
 _is_loaded = False
+
+
+def _unlock() -> None:
+    """In a child after a fork: the thread that held the lock does not exist there."""
+    global _lock
+    _lock = threading.RLock()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_unlock)
 
 
 def _bundled_loader() -> str:
@@ -42,6 +55,7 @@ def load_opencl() -> None:
     """Loads OpenCL if it is not loaded: the file in GNOMON_OPENCL_LIBRARY, else the loader in pyopencl's wheel, else
     the system's libOpenCL.so.1. Raises DeviceNotFoundError, which says how to install one."""
     global _is_loaded
+    _gnomon.require_unforked()
     with _lock:
         if not _is_loaded:
             _gnomon.load_opencl("" if os.environ.get("GNOMON_OPENCL_LIBRARY") else _bundled_loader())
@@ -63,8 +77,8 @@ class Device:
 
     def __init__(self, native: _gnomon.Device) -> None:
         self.native = native
-        self._process = os.getpid()
         self._worker = ThreadPoolExecutor(max_workers=1, thread_name_prefix="gnomon")
+        self._is_working = threading.Lock()
 
     @property
     def description(self) -> _gnomon.DeviceDescription:
@@ -78,12 +92,27 @@ class Device:
 
     def call(self, function: Callable[..., Result], *arguments: Any) -> Result:
         """Runs the function in the device's thread and returns its result."""
-        if os.getpid() != self._process:
-            raise RuntimeError(
-                "this device was opened before the process forked, and OpenCL does not survive a fork: open it in the "
-                "child process, or start workers by 'spawn'"
-            )
-        return self._worker.submit(function, *arguments).result()
+        _gnomon.require_unforked()
+        try:
+            future = self._worker.submit(self._alone, function, arguments)
+        except RuntimeError:  # the interpreter ends, and takes no more work for threads: at exit, in a last thread
+            return self._alone(function, arguments)
+        return future.result()
+
+    def _alone(self, function: Callable[..., Result], arguments: tuple[Any, ...]) -> Result:
+        with self._is_working:
+            return function(*arguments)
+
+    def __deepcopy__(self, _: object) -> Device:
+        return self
+
+    __copy__ = functools.partialmethod(__deepcopy__, None)
+
+    def __reduce__(self) -> Any:
+        raise TypeError(
+            "a gnomon.Device belongs to its process and cannot be pickled: pickle the name that gnomon.use() takes, "
+            "and call gnomon.use() in the other process"
+        )
 
     def __repr__(self) -> str:
         d = self.description
@@ -91,7 +120,9 @@ class Device:
 
 
 _default: Device | None = None
-_devices_of_queues: dict[tuple[int, int], Device] = {}
+#: A device of a queue lives as long as something that was made on it, and while it is among the last ones.
+_devices_of_queues: weakref.WeakValueDictionary[tuple[int, int], Device] = weakref.WeakValueDictionary()
+_last_of_queues: collections.deque[Device] = collections.deque(maxlen=4)
 
 
 def open_device(selector: str = "", memory_limit_bytes: int = 0) -> Device:
@@ -108,6 +139,7 @@ def use(device: str | Device = "", *, memory_limit_bytes: int = 0) -> Device:
     Raises DeviceNotFoundError with the list of devices if none fits.
     """
     global _default
+    _gnomon.require_unforked()
     opened = device if isinstance(device, Device) else open_device(device, memory_limit_bytes)
     with _lock:
         _default = opened
@@ -116,6 +148,7 @@ def use(device: str | Device = "", *, memory_limit_bytes: int = 0) -> Device:
 
 def default_device() -> Device:
     """The device of the last use(); the first call opens it."""
+    _gnomon.require_unforked()
     with _lock:
         return _default if _default is not None else use()
 
@@ -125,6 +158,8 @@ def device_of_queue(queue: Any) -> Device:
     load_opencl()
     key = (queue.context.int_ptr, queue.int_ptr)
     with _lock:
-        if key not in _devices_of_queues:  # the device retains the queue, so the integers stay its own
-            _devices_of_queues[key] = Device(_gnomon.Device.of_queue(*key))
-        return _devices_of_queues[key]
+        device = _devices_of_queues.get(key)
+        if device is None:  # a device retains its queue, so the integers are its own while it lives
+            device = _devices_of_queues[key] = Device(_gnomon.Device.of_queue(*key))
+            _last_of_queues.append(device)
+        return device

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import functools
 import math
+import warnings
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,11 @@ from numpy.typing import NDArray
 
 from . import _arrays, _gnomon
 
+#: Steps from the origin to each side that float32 holds.
+REACH = 2.0**24
+#: A lattice that a scene chose by itself is warned of if it moves vertices by more than this part of its triangles'
+#: median size; so are eyes and lamps that float32 moves by more than VISIBLE x the scene's extent put on a lattice.
+COARSE, VISIBLE = 2.0**-10, 2.0**-16
 #: Triangles whose plane snapping tilts by more than this many degrees are named in Lattice.tilted.
 TILT_LIMIT = 1.0
 
@@ -89,6 +95,31 @@ class Lattice:
         return f"<gnomon.Lattice of step {step}, moved by at most {self.largest_move:g}{note}>"
 
 
+class Reaching:
+    """A lattice that a scene chose by itself, for which no point, lamp or eye is too far away: coordinates beyond its
+    reach are rounded to float32, whose values there are multiples of a step. No surface of the scene is there."""
+
+    def __init__(self, native: _gnomon.WorldLattice) -> None:
+        self._native = native
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._native, name)
+
+    def snap(self, world: NDArray[np.float64]) -> tuple[NDArray[np.float32], float]:
+        relative = world - np.array(self._native.world_of((0.0, 0.0, 0.0)))
+        is_far = (np.abs(relative) >= (REACH - 1) * self._native.step).any(axis=1)
+        if not is_far.any():
+            return self._native.snap(world)
+        with np.errstate(over="ignore"):
+            rounded = relative.astype(np.float32)
+        if not np.isfinite(rounded[is_far]).all():
+            return self._native.snap(world)  # which says what is wrong
+        near, largest = self._native.snap(np.ascontiguousarray(world[~is_far]))
+        rounded[~is_far] = near
+        moved = np.abs(rounded[is_far].astype(np.float64) - relative[is_far])
+        return rounded, max(largest, float(moved.max()))
+
+
 def _snapped(native: _gnomon.WorldLattice, world: NDArray[np.float64], name: str) -> tuple[NDArray[np.float32], float]:
     try:
         snapped, largest_move = native.snap(world)
@@ -139,7 +170,9 @@ def lattice_of(world: NDArray[np.float64], step: float | None) -> Lattice:
     """The lattice with this step, a power of two; None: the finest that fits."""
     flat = world.reshape(-1, 3)
     if step is None:
-        return Lattice(_gnomon.WorldLattice.fit(flat), world)
+        lattice = Lattice(_gnomon.WorldLattice.fit(flat), world)
+        lattice.native = Reaching(lattice.native)  # type: ignore[assignment]
+        return lattice
     fraction, exponent = math.frexp(step) if step > 0 and math.isfinite(step) else (0.0, 0)
     if fraction != 0.5:
         raise ValueError(f"lattice: the step {step!r} is not a power of two, such as 2**-10")
@@ -147,6 +180,34 @@ def lattice_of(world: NDArray[np.float64], step: float | None) -> Lattice:
         return Lattice(_gnomon.WorldLattice.around(flat, exponent - 1), world)
     except ValueError as error:
         raise ValueError(f"lattice: {error}") from None
+
+
+def warn_if_coarse(lattice: Lattice) -> None:
+    """One triangle far away makes the step of all others coarse."""
+    world = lattice.world
+    if not len(world):
+        return
+    size = float(np.median((world.max(axis=1) - world.min(axis=1)).max(axis=1)))
+    if lattice.largest_move <= COARSE * size:
+        return
+    away = np.abs(world - np.median(world.reshape(-1, 3), axis=0)).max(axis=(1, 2))
+    row = int(away.argmax())
+    warnings.warn(
+        f"the scene's coordinates are rounded to steps of {lattice.step:g}, which moves vertices by up to "
+        f"{lattice.largest_move:g}, while its triangles measure {size:g}: triangle {row}, {away[row]:g} away from the "
+        "others, needs this step (leave it out, or give lattice=)",
+        stacklevel=3,
+    )
+
+
+def moves_visibly(value: Any, extent: float) -> bool:
+    """Whether float32 moves three coordinates by more than a scene of this extent can hide."""
+    numbers = np.asarray(value)
+    if numbers.shape != (3,) or numbers.dtype.kind not in "iuf" or not np.isfinite(numbers).all():
+        return False  # the check that follows says it
+    with np.errstate(over="ignore"):
+        moved = np.abs(numbers.astype(np.float32).astype(np.float64) - numbers).max()
+    return bool(VISIBLE * extent < moved < np.inf)
 
 
 def normals_of_triangles(triangles: NDArray[Any]) -> NDArray[np.float64]:

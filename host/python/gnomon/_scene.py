@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import copy
 import os
 import threading
 from collections.abc import Callable, Mapping
@@ -13,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _arrays, _cut_outs, _gnomon, _lights
+from . import _arrays, _cut_outs, _gnomon, _lights, _meshes
 from . import _lattice as _world
 from ._devices import Device, default_device, device_of_queue, open_device
 from ._side import EXACT, Side, Technique, VertexSide
@@ -45,6 +46,15 @@ GREY = (0.8, 0.8, 0.8)
 BLENDS = ("opaque", "clear", "mask")
 
 
+#: What a scene keeps of the last techniques with settings of their own, and of the last devices.
+TECHNIQUES_KEPT, DEVICES_KEPT = 8, 4
+
+
+def _keep_latest(kept: dict[Any, Any], count: int) -> None:
+    while len(kept) > count:
+        del kept[next(iter(kept))]
+
+
 class _OnDevice:
     """A scene's triangles on one device, and the techniques that ran there. Techniques keep lists between runs."""
 
@@ -65,12 +75,14 @@ class _OnDevice:
     def technique(self, wanted: Technique) -> _gnomon.Technique:
         """Call it in the device's thread."""
         settings = tuple(sorted((key, _setting_text(value)) for key, value in wanted.settings.items()))
-        if (wanted.name, settings) not in self._techniques:
+        technique = self._techniques.pop((wanted.name, settings), None)
+        if technique is None:
             technique = _gnomon.make_technique(wanted.name, self.device.native)
             for key, value in settings:
                 technique.set(key, value)
-            self._techniques[wanted.name, settings] = technique
-        return self._techniques[wanted.name, settings]
+        self._techniques[wanted.name, settings] = technique
+        _keep_latest(self._techniques, TECHNIQUES_KEPT)
+        return technique
 
 
 class AtVertices(NamedTuple):
@@ -171,19 +183,6 @@ def _setting_text(value: object) -> str:
     return str(value)
 
 
-def _mesh_of(vertices: Any, faces: Any) -> tuple[Any, Any]:
-    """Vertices and faces of a trimesh.Trimesh or a pyvista mesh; of anything else, the value itself and no faces."""
-    if faces is not None:
-        return vertices, faces
-    if hasattr(vertices, "vertices") and hasattr(vertices, "faces"):
-        return vertices.vertices, vertices.faces
-    if hasattr(vertices, "triangulate") and hasattr(vertices, "points"):
-        surface = vertices if hasattr(vertices, "regular_faces") else vertices.extract_surface()
-        mesh = surface.triangulate()
-        return mesh.points, np.asarray(mesh.faces).reshape(-1, 4)[:, 1:]
-    return vertices, None
-
-
 class Scene:
     """A mesh of triangles that cast shadows.
 
@@ -191,7 +190,7 @@ class Scene:
     them unless it is given another `up`; in gnomon.study() z is up, as on maps.
 
     vertices, faces: (V, 3) coordinates and (F, 3) indices; or vertices alone as triangles (F, 3, 3) or (F, 9); or a
-        trimesh.Trimesh, or a pyvista mesh. Any unit. A triangle's id is its row. A pyopencl array of float32
+        mesh or a scene of trimesh, pyvista, meshio or Open3D. Any unit. A triangle's id is its row. A pyopencl array of float32
         triangles is used where it lies, without a copy (with cut-outs it is copied): do not write it while the scene is
         used.
     cut_outs: triangles with holes, by the alpha of a texture, decided exactly at every hit: gnomon.CutOuts.
@@ -200,7 +199,8 @@ class Scene:
         there on, wherever the origin lies: a scene cut into tiles gives the same bits as a whole, if all tiles have the
         same step. All coordinates must lie within 2^24 steps of the scene's centre. Without it, vertices that are
         float32 values are taken as they are, and others get the finest step that leaves room for points twice as far
-        out as the scene. Scene.lattice says which step it is, and what changed.
+        out as the scene; what lies farther away is rounded to float32 relative to the scene's centre. Scene.lattice
+        says which step it is, and what changed.
     device: a name as in gnomon.use(), or a Device; None: the default device.
 
     Raises ValueError for a wrong shape or dtype, a coordinate that is not finite, or a face that names no vertex.
@@ -215,16 +215,19 @@ class Scene:
         lattice: float | None = None,
         device: str | Device | None = None,
     ) -> None:
-        vertices, faces = _mesh_of(vertices, faces)
+        vertices, faces = _meshes.mesh_of(vertices, faces)
         self._host: NDArray[np.float32] | None = None
         self.lattice: _world.Lattice | None = None
         self._count = 0
+        self._device_name: str | None = None
+        self._opened: Device | None = None
         self._uploads: dict[Device, _OnDevice] = {}
         self._moved: dict[tuple[int, ...], _OnDevice] = {}  # on a lattice: the triangles near the last view's eye
         self._is_closed = False
         self.cameras: dict[str, _gnomon.Camera] = {}
         self.lights: dict[str, dict[str, tuple[float, float, float]]] = {}
         self.warnings: list[str] = []
+        self._twin: Scene | None = None  # the same triangles on a lattice
         self._vertices: _Vertices | None = None  # of the last call with Side.vertices()
         self.animations: list[str] = []
         self._material: NDArray[np.uint32] | None = None
@@ -234,7 +237,7 @@ class Scene:
             if lattice is not None:
                 raise ValueError("lattice: not for a pyopencl array, which holds float32 coordinates already")
             if cut_outs is None:
-                self._device = self._wrap(vertices, faces)
+                self._opened = self._wrap(vertices, faces)
                 return
             vertices, device = vertices.get(), device_of_queue(vertices.queue)
         triangles = _arrays.triangles_of(vertices, faces)
@@ -243,13 +246,42 @@ class Scene:
         else:
             self.lattice = _world.lattice_of(np.ascontiguousarray(triangles, dtype=np.float64), lattice)
             self._host = self.lattice.triangles
+            if lattice is None:
+                _world.warn_if_coarse(self.lattice)
         self._count = len(self._host)
         if cut_outs is not None:
             corners = None if faces is None else _arrays.on_host(faces, "faces")
             self._cut_outs = _cut_outs.native_of(cut_outs, corners, self._count)
-        self._device = (
-            device if isinstance(device, Device) else default_device() if device is None else open_device(device)
-        )
+        self._device_name = device if isinstance(device, str) else None
+        self._opened = device if isinstance(device, Device) else self._open_device()
+
+    def _open_device(self) -> Device:
+        return default_device() if self._device_name is None else open_device(self._device_name)
+
+    @property
+    def _device(self) -> Device:
+        if self._opened is None:
+            self._opened = self._open_device()
+        return self._opened
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What travels to another process, and to a copy: arrays. A scene that was made with a device's name opens that
+        one there, when it is first used; any other takes the default device of its new process."""
+        self._require_open()
+        if self._host is None:
+            raise TypeError("the triangles of this scene lie in a pyopencl array, which cannot be copied: pickle the "
+                            "array's get(), and make a scene of that")  # fmt: skip
+        return {**self.__dict__, "_uploads": {}, "_moved": {}, "_vertices": None, "_opened": None}
+
+    def __copy__(self) -> Scene:
+        copied = object.__new__(type(self))
+        copied.__dict__.update(self.__getstate__(), _opened=self._opened)
+        return copied
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Scene:
+        copied = self.__copy__()
+        copied.__dict__.update(copy.deepcopy(self.__getstate__(), memo), _opened=self._opened)
+        return copied
 
     def _wrap(self, array: Any, faces: Any) -> Device:
         if faces is not None:
@@ -284,6 +316,8 @@ class Scene:
         were not there, or as masks with a cutoff of .5. Raises FileNotFoundError, or ValueError that names the wrong
         part.
         """
+        if not isinstance(path, str | os.PathLike):
+            raise TypeError(f"path: must be a file's name, not {type(path).__name__}: write its bytes into a file first")
         file = Path(path)
         if not file.exists():
             raise FileNotFoundError(f"{file}: does not exist")
@@ -357,6 +391,7 @@ class Scene:
         self._uploads.clear()
         self._moved.clear()
         self._vertices = None
+        self._twin = None
         self._host = None
 
     def __enter__(self) -> Scene:
@@ -366,7 +401,8 @@ class Scene:
         self.close()
 
     def __repr__(self) -> str:
-        state = "closed" if self._is_closed else f"on {self._device.description.name!r}"
+        device = "no device yet" if self._opened is None else repr(self._opened.description.name)
+        state = "closed" if self._is_closed else f"on {device}"
         lattice = "" if self.lattice is None else f", {self.lattice!r}"
         return f"<gnomon.Scene of {self._count:,} triangles, {state}{lattice}>"
 
@@ -386,7 +422,9 @@ class Scene:
                     "the scene's triangles lie on another OpenCL queue than the points: give both one queue"
                 )
             self._uploads[device] = self._uploaded(device, self._host)
-        return self._uploads[device]
+        upload = self._uploads[device] = self._uploads.pop(device)
+        _keep_latest(self._uploads, DEVICES_KEPT)
+        return upload
 
     def _uploaded(self, device: Device, triangles: NDArray[np.float32]) -> _OnDevice:
         cut_outs = () if self._cut_outs is None else (self._cut_outs,)
@@ -417,7 +455,8 @@ class Scene:
     ) -> NDArray[np.bool_] | AtVertices:
         """Whether the light reaches each point: what ray tracing would answer in exact arithmetic.
 
-        points: (..., 3) coordinates in the scene's unit.
+        points: (..., 3) coordinates in the scene's unit. On a scene without a lattice float64 points that float32 does
+            not hold are rounded to it, or they and the triangles are snapped to a lattice, whichever moves less.
         direction: (3,) along which a directional light travels (of any length, rounded once to float32); or
         position: (3,) of a point light.
         receivers: (...) ids of the triangles that the points lie on, negative for none. A receiver never shadows its
@@ -483,11 +522,20 @@ class Scene:
         ValueError for an unknown name."""
         if nan not in ("error", "absent"):
             raise ValueError(f"nan: {nan!r} is neither 'error' nor 'absent'")
-        light = _world.light_of(self._native_lattice, direction, position)
         positions = _arrays.rows_of_triples(points, "points")
         flat = positions.reshape(-1, 3)
         if nan == "error":
             _arrays.require_finite(flat, "points")
+        else:
+            _arrays.require_no_fill_values(flat, "points")
+        if not lift and not isinstance(side, VertexSide) and (twin := self._needed_twin(flat, position)):
+            visibility: Any = twin.visibility
+            on_lattice: NDArray[np.float32] = visibility(
+                positions, direction=direction, position=position, receivers=receivers, side=side, nan=nan,
+                technique=technique,
+            )  # fmt: skip
+            return on_lattice
+        light = _world.light_of(self._native_lattice, direction, position)
         engine = _Engine(self._on(self._device), _technique_of(technique), light)
 
         def shaped(values: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -535,10 +583,15 @@ class Scene:
         and the first bad row, MemoryError, DeviceNotFoundError, Cancelled.
         """
         side = _side_of(side, "is for lit() and visibility()")
-        table = _lights.table_of(self._native_lattice, lights)
         positions = _arrays.rows_of_triples(points, "points")
         flat = positions.reshape(-1, 3)
         _arrays.require_finite(flat, "points")
+        if side.kind in ("none", "normals") and (twin := self._needed_twin(flat, None)):
+            return twin.lit_by(
+                positions, lights, receivers=receivers, side=side, bits=bits, cosines=cosines, progress=progress,
+                settings=settings,
+            )  # fmt: skip
+        table = _lights.table_of(self._native_lattice, lights)
         if self.lattice is not None and side.kind in ("front", "eye"):
             raise ValueError("side: on a scene with a lattice give Side.normals() of the surfaces before snapping")
         if cosines and side.kind != "normals":
@@ -578,6 +631,27 @@ class Scene:
         if self.lattice is None:
             return _arrays.float32_of(flat, "points")
         return self.lattice.snap(flat, "points", normals)
+
+    def _needed_twin(self, flat: NDArray[Any], *triples: Any) -> Scene | None:
+        """The same triangles on a lattice, for questions that float32 would move too far; None: it moves nothing, or
+        less than a lattice would. A scene on a lattice needs none."""
+        if self.lattice is not None or self._host is None or self._is_closed:
+            return None
+        moved = _arrays.moved_by_float32(flat)
+        extent = float(np.ptp(self.bounds, axis=0).max()) if moved or any(t is not None for t in triples) else 0.0
+        is_visible = any(t is not None and _world.moves_visibly(t, extent) for t in triples)
+        if not (moved or is_visible) or not np.isfinite([moved, extent]).all() or not np.isfinite(self._host).all():
+            return None
+        if self._twin is None:
+            twin = Scene.__new__(Scene)
+            twin.__dict__.update(self.__dict__)
+            twin.lattice = _world.lattice_of(self._host.astype(np.float64), None)
+            twin._host = twin.lattice.triangles
+            twin._uploads, twin._moved, twin._vertices = {}, {}, None
+            self._twin = twin
+        lattice = self._twin.lattice
+        assert lattice is not None
+        return self._twin if is_visible or moved > max(lattice.largest_move, lattice.step / 2) else None
 
     def _facing_of(self, side: Side, ids: NDArray[np.uint32] | None) -> _FacingOf:
         """Facing by an eye, by the receivers' front, or none."""
@@ -733,6 +807,8 @@ class Scene:
         if (camera is None) == (eye is None and target is None):
             raise ValueError("give either eye= and target=, or camera=, a name of `cameras`")
         width, height = int(size[0]), int(size[1])
+        if camera is None and (twin := self._needed_twin(np.empty((0, 3)), eye, target)):
+            return twin.view(eye, target, up=up, fov=fov, size=size)
         if camera is not None:
             if camera not in self.cameras:
                 raise ValueError(f"camera: there is no {camera!r}; there are {', '.join(self.cameras) or 'none'}")
@@ -752,7 +828,15 @@ class Scene:
         from_eye = _world.world_triple(target, "target")[0] - around_eye.world_of((0.0, 0.0, 0.0))
         key = tuple(around_eye.origin)
         if key not in self._moved:
-            moved = self.lattice.native.rebased(np.ascontiguousarray(self.triangles.reshape(-1, 3)), around_eye)
+            corners = np.ascontiguousarray(self.triangles.reshape(-1, 3))
+            try:
+                moved = self.lattice.native.rebased(corners, around_eye)
+            except ValueError:
+                if not isinstance(self.lattice.native, _world.Reaching):
+                    raise
+                # The eye is out of the lattice's reach: it is rounded to float32, and the triangles stay.
+                ends = [_world.snapped_triple(self._native_lattice, *end) for end in ((eye, "eye"), (target, "target"))]
+                return ends[0], ends[1], self._native_lattice, self._on(self._device)
             self._moved = {key: self._uploaded(self._device, moved)}
         return (0.0, 0.0, 0.0), _arrays.triple(from_eye, "target"), around_eye, self._moved[key]
 
@@ -842,6 +926,10 @@ class View:
         self._origin = origin
         self._host: tuple[Any, Any, Any] | None = None
         self.width, self.height = size
+
+    def __reduce__(self) -> Any:
+        raise TypeError("a gnomon.View lies on its device and cannot be copied or pickled: take its arrays "
+                        "(visibility(), image(), points), or call Scene.view() in the other process")  # fmt: skip
 
     def _read(self) -> tuple[Any, Any, Any]:
         if self._host is None:

@@ -86,11 +86,11 @@ def test_the_same_bits_for_other_tiles_of_points(files, faces):
 
 def test_a_file_that_cannot_be_read_later(files, faces, monkeypatch):
     """Found by the survey, lost afterwards: what it may shadow is undecided."""
-    from gnomon.studies import casters
+    from gnomon.studies import meshes as mesh_files
     from gnomon.studies.rasters import UnreadableError
 
     folder, meshes, suns = files
-    load = casters._loaded
+    load = mesh_files.load
 
     def lost(name):
         if name.endswith("4.obj") and (folder / "lost" / "study.json").exists():
@@ -103,7 +103,7 @@ def test_a_file_that_cannot_be_read_later(files, faces, monkeypatch):
     settings = dict(meshes=meshes, mesh_offset=OFFSET, receivers="points", points=str(points), outputs=["bits"],
                     directions=write_suns(folder / "low.csv", [(90, 15), (270, 40)]))  # fmt: skip
     whole = run(folder / "found", **settings)
-    monkeypatch.setattr(casters, "_loaded", lost)
+    monkeypatch.setattr(mesh_files, "load", lost)
     study = run(folder / "lost", **settings)
     away = 2500 - np.arange(100, 2400, 50)
     shadow = away * math.tan(math.radians(15)) <= 470

@@ -299,7 +299,7 @@ def test_a_file_of_settings(tmp_path):
     "make, text",
     [
         (lambda f: write_raster(f / "r.tif", np.zeros((3, 3)), crs="EPSG:4326", cell=0.1, west=9, north=47),
-         "are not metres on a map"),
+         "not metres on a map"),
         (lambda f: write_raster(f / "r.tif", np.zeros((3, 3)), crs=None), "crs: the suns' positions need a CRS"),
         (lambda f: write_suns(f / "r.tif", [(0, 3)]), "r.tif"),
     ],

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """One table of suns serves gnomon hours, whose scenes have y up, and studies, in which z is up."""
 
+import gzip
+import json
 import math
 from pathlib import Path
 
@@ -86,8 +88,10 @@ def test_angles_count_from_true_north(tmp_path):
         *found.centre(tuple(found.zones[0]))
     )
     a, b = (np.array(to_map.transform(longitude, latitude + d)) for d in (1e-4, -1e-4))
-    south = (b - a) / np.linalg.norm(b - a)
-    assert np.allclose(found.towards[0, 0, :2], south * math.cos(math.pi / 6), atol=1e-6) and abs(south[0]) > 0.04
+    metres = pyproj.Geod(ellps="WGS84").inv(longitude, latitude + 1e-4, longitude, latitude - 1e-4)[2]
+    south = (b - a) / metres  # a metre on the ground, on the map: 1.0007 m here
+    x, y, z = found.towards[0, 0]
+    assert np.allclose([x / z, y / z], south / math.tan(math.pi / 6), atol=2e-6) and abs(south[0]) > 0.04
 
 
 def test_tables_of_all_kinds(tmp_path):
@@ -113,8 +117,8 @@ def test_tables_of_all_kinds(tmp_path):
 @pytest.mark.parametrize(
     "text, sentence",
     [
-        ("a,b,c\n1,2,3\n", ": a table of suns needs the columns x, y, z or azimuth, elevation"),
-        ("", ": a table of suns needs the columns x, y, z or azimuth, elevation"),
+        ("a,b,c\n1,2,3\n", ": a table of suns needs the columns x, y, z or azimuth, elevation; it has a, b, c"),
+        ("", ": a table of suns needs the columns x, y, z or azimuth, elevation; it is empty"),
         ("x,y,z\n1,2\n", ", line 2 has 2 columns in place of 3"),
         ("1,2\n", ": must have 3 or 4 columns, or names for its 2"),
         ("# text\nx,y,z\n\n1,2,nan\n", ', line 4 has z = "nan", which is no finite number'),
@@ -122,11 +126,10 @@ def test_tables_of_all_kinds(tmp_path):
         ("x,y,z\n1,2,-3\n1,0,0\n", ", line 3 has x, y, z of light that does not travel downwards"),
         ("x,y,z,up\n1,2,-3,y\n", ", line 2 has x, y, z of light that does not travel downwards"),
         ("x,y,z,up\n1,2,-3,x\n", ', line 2 has up = "x", which is neither y nor z'),
-        ("x,y,z\n1,2,-1e39\n", ", line 2 has x, y, z beyond float32"),
-        ("x,y,z,weight\n1,2,-3,1e39\n", ", line 2 has a weight beyond float32"),
+        ("x,y,z\n1,2,-1e39\n", ', line 2 has z = "-1e39", which is beyond float32'),
+        ("x,y,z,weight\n1,2,-3,1e39\n", ', line 2 has weight = "1e39", which is beyond float32'),
         ("azimuth,elevation\n10,91\n", ", line 2 has an elevation beyond 90 degrees"),
         ("x,y,z\n", ": has no suns"),
-        ("azimuth,elevation\n10,-1\n", ": has no suns above the horizon"),
     ],
 )
 def test_bad_tables_are_one_sentence(tmp_path, text, sentence):
@@ -154,3 +157,56 @@ def test_weights_and_points_are_tables_too(tmp_path):
     np.save(tmp_path / "table.npy", [[1, 2, np.inf]])
     with pytest.raises(ValueError, match='table.npy, row 0 has z = "inf", which is no finite number'):
         read_points(str(tmp_path / "table.npy"))
+
+
+# tests/command/suns_test.cpp reads the same tables.
+MADE_TABLES = json.loads((TABLES / "tables_of_points.json").read_text())
+
+
+@pytest.mark.parametrize("case", MADE_TABLES["read"], ids=lambda case: case["name"])
+def test_tables_as_people_have_them(tmp_path, case):
+    file = tmp_path / "points.csv"
+    file.write_text(case["text"], newline="", encoding="utf-8")
+    assert read_points(str(file))[:, :3].tolist() == MADE_TABLES["points"]
+    packed = tmp_path / "points.csv.gz"
+    packed.write_bytes(gzip.compress(file.read_bytes()))
+    assert read_points(str(packed))[:, :3].tolist() == MADE_TABLES["points"]
+
+
+@pytest.mark.parametrize("case", MADE_TABLES["refused"], ids=lambda case: case["name"])
+def test_tables_that_are_refused(tmp_path, case):
+    file = tmp_path / "points.csv"
+    file.write_text(case["text"], newline="", encoding="utf-8")
+    with pytest.raises(ValueError) as error:
+        read_points(str(file))
+    said = str(error.value)
+    why = case["why"].replace("x, y, z;", "x, y, z, and nx, ny, nz for the side that they face;")
+    assert said.startswith(str(file)) and why in said
+
+
+def test_utf_16_is_named(tmp_path):
+    (tmp_path / "points.csv").write_text("x,y,z\n0,0,0\n", encoding="utf-16")
+    with pytest.raises(ValueError, match="points.csv: is UTF-16 text: save it as UTF-8"):
+        read_points(str(tmp_path / "points.csv"))
+
+
+@pytest.mark.parametrize("text", [
+    "0\n1\n2\n", "dni\n0\n1\n2\n", "Direct normal [W/m2]\n0\n1\n2\n", "time,Weight\n10:00,0\n11:00,1\n12:00,2\n",
+    '\ufeff"DNI"\r\n0\r\n1\r\n2\r\n', "weight;note\n0;a\n1;b\n2;c\n",
+])  # fmt: skip
+def test_weights_keep_their_hours(tmp_path, text):
+    (tmp_path / "w.csv").write_text(text, newline="", encoding="utf-8")
+    assert read_weights(str(tmp_path / "w.csv"), 3).tolist() == [0, 1, 2]
+
+
+def test_a_polar_night_has_no_hours(tmp_path):
+    """21 December in Longyearbyen: 0 hours everywhere, all of it known."""
+    raster = write_raster(tmp_path / "r.tif", np.zeros((3, 4)), crs="EPSG:32633", west=513_700, north=8_681_000)
+    study = run(tmp_path / "s", raster=raster, start="2026-12-21", end="2026-12-22", outputs=["hours", "bits"])
+    values = study.dataset()
+    assert (values.sun_hours.values == 0).all() and (values.undecided_hours.values == 0).all()
+    assert not values.lit.values.any() and study.record["suns"]["suns_left_out"] == "24"
+    study.export(tmp_path / "hours.tif")
+    (tmp_path / "night.csv").write_text("azimuth,elevation,weight\n180,-4,2\n")
+    by_table = run(tmp_path / "t", raster=raster, directions=str(tmp_path / "night.csv"), outputs=["weights"])
+    assert (by_table.dataset().sum_of_weights.values == 0).all()

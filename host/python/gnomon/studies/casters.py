@@ -3,15 +3,14 @@
 
 from __future__ import annotations
 
-import functools
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from . import cityjson
-from .rasters import Mosaic, UnreadableError, faces_of_grid
+from .meshes import MeshFile, study_triangles
+from .rasters import Mosaic, UnreadableError, crs_of, faces_of_grid
 from .settings import Settings
 
 #: The steps that receivers and casters of one lattice may span: its origin lies in the middle, and 2^24 steps fit on
@@ -106,15 +105,18 @@ class Casters:
         return (rows[:, None] * self.columns + columns).reshape(-1)
 
     def surveyed(self, tile: int) -> tuple[list[float], float, float, int, str]:
-        """Box, top, bottom and number of triangles of a tile; and for an unread tile the reason."""
+        """Box, top, bottom and number of triangles of a tile; for an unread tile the reason, for others what is left
+        out of a file."""
         box = ANYWHERE
         try:
             if tile >= self.rows * self.columns:
-                corners = mesh_triangles(self.settings, self.name(tile)).reshape(-1, 3)
+                mesh = mesh_of(self.settings, self.name(tile))
+                note = f"{self.name(tile)}: {'; '.join(mesh.notes)}" if mesh.notes else ""
+                corners = mesh.triangles.reshape(-1, 3)
                 if not len(corners):
-                    return [0.0, 0.0, 0.0, 0.0], -np.inf, np.inf, 0, ""
+                    return [0.0, 0.0, 0.0, 0.0], -np.inf, np.inf, 0, note
                 low, high = corners.min(axis=0), corners.max(axis=0)
-                return [*low[:2].tolist(), *high[:2].tolist()], float(high[2]), float(low[2]), len(corners) // 3, ""
+                return [*low[:2].tolist(), *high[:2].tolist()], float(high[2]), float(low[2]), len(corners) // 3, note
             assert self.mosaic is not None
             r0, r1, c0, c1 = self.window(tile)
             x, y = self.mosaic.x(c0, c1), self.mosaic.y(r0, r1)
@@ -144,28 +146,11 @@ class Casters:
         return vertices, faces
 
 
-@functools.lru_cache(maxsize=4)
-def _loaded(name: str) -> NDArray[np.float64]:
-    try:
-        triangles = cityjson.load(name) if cityjson.is_cityjson(name) else _loaded_by_trimesh(name)
-    except Exception as error:  # a loader may raise anything at a broken file
-        raise UnreadableError(f"{name}: cannot be read: {error}") from error
-    if not np.isfinite(triangles).all():
-        raise UnreadableError(f"{name}: a coordinate is not finite")
-    return triangles
-
-
-def _loaded_by_trimesh(name: str) -> NDArray[np.float64]:
-    import trimesh
-
-    mesh: Any = trimesh.load(name, force="mesh", process=False)
-    return np.asarray(mesh.vertices, np.float64)[np.asarray(mesh.faces, np.int64)]
+def mesh_of(settings: Settings, name: str) -> MeshFile:
+    """A file in the study's coordinates. Raises UnreadableError, or ValueError for another CRS than the study's."""
+    return study_triangles(name, settings.mesh_up, settings.mesh_offset, crs_of(settings))
 
 
 def mesh_triangles(settings: Settings, name: str) -> NDArray[np.float64]:
-    """World triangles (F, 3, 3) of a file. Raises UnreadableError."""
-    triangles = _loaded(name)
-    up = settings.mesh_up or ("y" if name.lower().endswith((".glb", ".gltf")) else "z")
-    if up == "y":
-        triangles = np.stack([triangles[..., 0], -triangles[..., 2], triangles[..., 1]], axis=-1)
-    return triangles + np.array(settings.mesh_offset)
+    """World triangles (F, 3, 3) of a file. Raises as mesh_of() does."""
+    return mesh_of(settings, name).triangles

@@ -8,10 +8,11 @@ keeps its side. An object's highest level of detail counts. Points and lines cas
 
 from __future__ import annotations
 
+import collections
 import json
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import mapbox_earcut
 import numpy as np
@@ -26,30 +27,42 @@ def is_cityjson(name: str) -> bool:
     return name.lower().endswith(SUFFIXES)
 
 
-def load(name: str) -> NDArray[np.float64]:
-    """Triangles (F, 3, 3) of a file, in its coordinates. Raises ValueError, KeyError, TypeError or OSError at a file
-    that is not CityJSON."""
+class City(NamedTuple):
+    """triangles: (F, 3, 3) in the file's coordinates. crs: its referenceSystem. notes: what is left out."""
+
+    triangles: NDArray[np.float64]
+    crs: str | None
+    notes: tuple[str, ...]
+
+
+def load(name: str) -> City:
+    """Raises ValueError, KeyError, TypeError or OSError at a file that is not CityJSON."""
     text = Path(name).read_text(encoding="utf-8-sig")
     lines = text.splitlines() if name.lower().endswith(".jsonl") else [text]
     first, *features = [json.loads(line) for line in lines if line.strip()]
     if not isinstance(first, dict) or first.get("type") != "CityJSON":
         raise ValueError('its "type" is not "CityJSON"')
     triangles = [np.empty((0, 3, 3))]
+    left_out: collections.Counter[str] = collections.Counter()
+    templates = first.get("geometry-templates", {})
     for part in (first, *features):
         transform = first.get("transform", {"scale": [1, 1, 1], "translate": [0, 0, 0]})
         scale, translate = (np.array(transform[key], np.float64) for key in ("scale", "translate"))
         vertices = np.array(part["vertices"], np.float64).reshape(-1, 3) * scale + translate
-        for geometry in _geometries(part["CityObjects"]):
-            triangles += _geometry_triangles(geometry, vertices, first.get("geometry-templates", {}))
-    return np.concatenate(triangles)
+        for geometry in _geometries(part["CityObjects"], templates):
+            triangles += _geometry_triangles(geometry, vertices, templates, left_out)
+    crs = first.get("metadata", {}).get("referenceSystem")
+    return City(np.concatenate(triangles), crs, tuple(f"left out: {n} {what}" for what, n in left_out.items() if n))
 
 
-def _geometries(objects: dict[str, Any]) -> Iterator[dict[str, Any]]:
-    """The geometries that count: each object's of its highest level of detail, unless one of its children has a level
-    at least as high (a building with parts, say)."""
+def _geometries(objects: dict[str, Any], templates: dict[str, Any]) -> Iterator[dict[str, Any]]:
+    """The geometries that count: each object's surfaces of its highest level of detail, unless one of its children has
+    a level at least as high (a building with parts, say). An instance has its template's level."""
 
     def level(geometry: dict[str, Any]) -> float:
-        return float(geometry.get("lod", 0))
+        if geometry["type"] == "GeometryInstance":
+            geometry = templates["templates"][geometry["template"]]
+        return float(geometry.get("lod", 0)) if geometry["type"] in DEPTHS else -1.0
 
     def highest(name: str) -> float:
         city_object = objects.get(name, {})
@@ -64,19 +77,30 @@ def _geometries(objects: dict[str, Any]) -> Iterator[dict[str, Any]]:
 
 
 def _geometry_triangles(
-    geometry: dict[str, Any], vertices: NDArray[np.float64], templates: dict[str, Any]
+    geometry: dict[str, Any],
+    vertices: NDArray[np.float64],
+    templates: dict[str, Any],
+    left_out: collections.Counter[str],
 ) -> list[NDArray[np.float64]]:
     if geometry["type"] == "GeometryInstance":
         matrix = np.array(geometry["transformationMatrix"], np.float64).reshape(4, 4)
         origin = vertices[_row(geometry["boundaries"][0], vertices)]
         template_vertices = np.array(templates["vertices-templates"], np.float64).reshape(-1, 3)
         moved = template_vertices @ matrix[:3, :3].T + matrix[:3, 3] + origin
-        return _geometry_triangles(templates["templates"][geometry["template"]], moved, {})
+        return _geometry_triangles(templates["templates"][geometry["template"]], moved, {}, left_out)
     surfaces = geometry["boundaries"]
     if geometry["type"] not in DEPTHS:
+        left_out[geometry["type"]] += 1
         return []
+    semantics = geometry.get("semantics", {})
+    of_surface = semantics.get("values") or []
     for _ in range(DEPTHS[geometry["type"]]):
+        of_surface = [value for shell, values in zip(surfaces, of_surface) for value in values or [None] * len(shell)]  # noqa: B905
         surfaces = [surface for shell in surfaces for surface in shell]
+    if len(of_surface) == len(surfaces):
+        kinds = [None if value is None else semantics["surfaces"][value].get("type") for value in of_surface]
+        left_out["ClosureSurface, which is no wall"] += kinds.count("ClosureSurface")
+        surfaces = [surface for surface, kind in zip(surfaces, kinds, strict=True) if kind != "ClosureSurface"]
     return [triangulated([vertices[[_row(i, vertices) for i in ring]] for ring in rings]) for rings in surfaces]
 
 

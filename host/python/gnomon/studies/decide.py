@@ -29,6 +29,9 @@ from .settings import Settings
 #: The most bytes that a caster's triangle takes: its corners on host and device, its share of the BVH, and the loading.
 BYTES_PER_TRIANGLE = 400
 
+#: Beams take coordinates up to here.
+FARTHEST_OF_BEAMS = 2.0**19
+
 
 class Answer(NamedTuple):
     """lit, undecided: planes of the receivers' answers; no answer is both. undecided is None where no answer is
@@ -285,9 +288,10 @@ class Decider:
             normals[lifted] = of_rows[lifted]
             world = np.ascontiguousarray(positions[lifted if rows is None else rows[lifted]])
             snapped[lifted] = casters.lattice.lift(world, np.ascontiguousarray(normals[lifted]))
+        farthest = max(np.abs(casters.scene.bounds).max(), np.abs(snapped).max())
         answer = casters.scene.lit_by(
             snapped, Lights.directions(-towards[suns]), side=Side.normals(normals), bits=True,
-            settings={"many-lights": "beams"},
+            settings={"many-lights": "beams" if farthest <= FARTHEST_OF_BEAMS else "auto"},
         )  # fmt: skip
         assert answer.bits is not None
         found = planes.transposed(answer.bits)

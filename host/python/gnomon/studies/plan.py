@@ -24,6 +24,8 @@ from .suns import Suns, suns_of
 
 #: The finest step that a study chooses by itself is 2^-10 m.
 FINEST_EXPONENT = -10
+#: A coarser step, of 1.6 cm, is warned of.
+COARSE_EXPONENT = -6
 #: Surveys caster tiles: the study's folder and the tiles -> each tile and what Casters.surveyed() finds of it.
 SurveyRun = Callable[[str, Iterable[int]], Iterable[tuple[int, tuple[list[float], float, float, int, str]]]]
 
@@ -38,7 +40,7 @@ class Plan:
         self.facts = facts
         self.exponent = int(facts["exponent"])
         self.hash = str(facts["hash"])
-        mosaic = open_mosaic(settings.raster) if settings.raster else None
+        mosaic = open_mosaic(settings.raster, settings.height_unit) if settings.raster else None
         self.casters = Casters(settings, mosaic)
         self.survey = Survey.load(folder / "survey.npz")
         self.suns = Suns.load(folder / "suns.npz")
@@ -140,7 +142,9 @@ def _has_unread_tasks(plan: Plan) -> bool:
 
 
 def _make_plan(folder: Path, settings: Settings, run_survey: SurveyRun) -> Plan:
-    mosaic = open_mosaic(settings.raster) if settings.raster else None
+    mosaic = open_mosaic(settings.raster, settings.height_unit) if settings.raster else None
+    for note in () if mosaic is None else mosaic.notes:
+        warnings.warn(note, stacklevel=2)
     casters = Casters(settings, mosaic)
     (folder / "tasks").mkdir(parents=True, exist_ok=True)
     for old in (folder / "tasks").iterdir():
@@ -171,18 +175,20 @@ def _make_plan(folder: Path, settings: Settings, run_survey: SurveyRun) -> Plan:
 
 def casters_to_survey(folder: str) -> Casters:
     settings = Settings.from_json(json.loads((Path(folder) / "survey.json").read_text())["settings"])
-    return Casters(settings, open_mosaic(settings.raster) if settings.raster else None)
+    return Casters(settings, open_mosaic(settings.raster, settings.height_unit) if settings.raster else None)
 
 
 def _run_survey(folder: Path, casters: Casters, run_survey: SurveyRun, old: Survey | None, tiles: list[int]) -> Survey:
     """Surveys these tiles and enters them into the old survey, or into a new one."""
     count = len(casters)
     survey = old or Survey(np.zeros((count, 4)), np.zeros(count), np.zeros(count), np.zeros(count, np.int64))
-    for tile, (box, top, bottom, triangles, reason) in run_survey(str(folder), tiles):
+    for tile, (box, top, bottom, triangles, note) in run_survey(str(folder), tiles):
         survey.boxes[tile], survey.tops[tile], survey.bottoms[tile] = box, top, bottom
         survey.triangles[tile] = triangles
-        if reason:
-            warnings.warn(f"{reason}: answers that it can shadow are undecided until it can be read", stacklevel=2)
+        if survey.unread[tile]:
+            note += ": answers that it can shadow are undecided until it can be read"
+        if note:
+            warnings.warn(note, stacklevel=2)
     return survey
 
 
@@ -218,4 +224,20 @@ def _exponent(settings: Settings, casters: Casters, survey: Survey) -> int:
             f"coarse for cells of {cell:g} m: raise min_elevation, or set halo_limit or a finer lattice=, with which "
             "answers beyond their reach are undecided"
         )
+    if exponent > COARSE_EXPONENT:
+        warnings.warn(
+            f"lattice: casters and receivers are rounded to steps of 2^{exponent} m, since the study reaches "
+            f"{_reach(settings, survey):.0f} m ({_farthest(casters, survey)}): leave out what lies far away, or set "
+            "halo_limit or lattice=",
+            stacklevel=2,
+        )
     return exponent
+
+
+def _farthest(casters: Casters, survey: Survey) -> str:
+    """The caster tile whose middle lies farthest from the median of all, or the widest of few."""
+    if not len(survey.boxes):
+        return "no casters"
+    middles = (survey.boxes[:, :2] + survey.boxes[:, 2:]) / 2
+    away = np.abs(middles - np.median(middles, axis=0)).max(axis=1) + np.ptp(survey.boxes[:, [0, 2]], axis=1)
+    return casters.name(int(np.where(survey.unread, -1, away).argmax()))

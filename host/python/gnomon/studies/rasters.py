@@ -4,7 +4,9 @@
 from __future__ import annotations
 
 import functools
+import os
 import threading
+import warnings
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,9 +14,16 @@ import rasterio
 from numpy.typing import NDArray
 from rasterio.windows import Window
 
+from .settings import Settings
+from .units import horizontal, metres_of, metres_of_height, require_metres
+
 
 class UnreadableError(OSError):
     """A part of the casters cannot be read."""
+
+
+class UndeclaredNoDataError(ValueError):
+    """A raster has a value that no ground has, and does not declare that it stands for no data."""
 
 
 class _File(NamedTuple):
@@ -23,6 +32,7 @@ class _File(NamedTuple):
     column: int
     rows: int
     columns: int
+    unit: float  # metres of its heights' unit
 
 
 class Mosaic(NamedTuple):
@@ -40,6 +50,7 @@ class Mosaic(NamedTuple):
     rows: int
     columns: int
     crs: str | None
+    notes: tuple[str, ...]  # what of the files is left out
 
     def x(self, first: int, last: int) -> NDArray[np.float64]:
         return self.west + (np.arange(first, last, dtype=np.float64) + 0.5) * self.dx
@@ -57,20 +68,31 @@ class Mosaic(NamedTuple):
             if r0 >= r1 or c0 >= c1:
                 continue
             part = _read(file.name, r0 - file.row, c0 - file.column, r1 - r0, c1 - c0)
+            if file.unit != 1:
+                part = part * file.unit
             window_part = result[r0 - row : r1 - row, c0 - column : c1 - column]
             window_part[...] = np.where(np.isnan(part), window_part, part)
         return result
 
 
+def stamp_of(name: str) -> tuple[int, int] | None:
+    """Size and time of a file: one that is written again is another file. None for what is no file here (a URL)."""
+    try:
+        stat = os.stat(name)
+    except OSError:
+        return None
+    return stat.st_size, stat.st_mtime_ns
+
+
 @functools.lru_cache(maxsize=64)
-def _opened(name: str, thread: int) -> Any:
+def _opened(name: str, thread: int, stamp: tuple[int, int] | None) -> Any:
     """An open file serves one thread."""
     return rasterio.open(name)
 
 
 def _read(name: str, row: int, column: int, rows: int, columns: int) -> NDArray[np.float64]:
     try:
-        data = _opened(name, threading.get_ident())
+        data = _opened(name, threading.get_ident(), stamp_of(name))
         masked = data.read(1, window=Window(column, row, columns, rows), masked=True)
         heights = np.ma.filled(masked.astype(np.float64), np.nan)
         if data.scales[0] != 1 or data.offsets[0] != 0:
@@ -79,40 +101,74 @@ def _read(name: str, row: int, column: int, rows: int, columns: int) -> NDArray[
         _opened.cache_clear()  # the next read opens the file again
         raise UnreadableError(f"{name}: cannot be read: {error}") from error
     heights[~np.isfinite(heights)] = np.nan
+    _require_declared(masked, name, row, column)
     return heights
 
 
-def open_mosaic(names: tuple[str, ...]) -> Mosaic:
-    """The mosaic of the files. Raises ValueError for files that share no grid, are rotated, or have a CRS that is not
-    in metres."""
-    opened = []
-    for name in names:
-        try:
-            opened.append(rasterio.open(name))
-        except rasterio.errors.RasterioError as error:
-            raise ValueError(f"{name}: {error}") from None
+#: Heights that stand for no data wherever they occur.
+NO_HEIGHTS = (-9999.0, -99999.0, -999999.0, -32768.0, -32767.0, 1e20, -1e20)
+
+
+def _require_declared(masked: Any, name: str, row: int, column: int) -> None:
+    """Values as they lie in the file, without its scale. The extremes of a type of 16 bits or more are no heights, nor
+    is anything of 1e30 or more."""
+    values, dtype = np.ma.getdata(masked), masked.dtype
+    is_there = ~np.ma.getmaskarray(masked) & np.isfinite(values)
+    if not is_there.any():
+        return
+    low, high = values[is_there].min(), values[is_there].max()
+    if low > -9999 and high < 32767:
+        return
+    if dtype.kind in "iu":
+        limits = np.iinfo(dtype)
+        extremes = [n for n in (limits.min, limits.max) if n != 0 and dtype.itemsize > 1]
+        is_wrong = np.isin(values, np.array([*extremes, *(n for n in NO_HEIGHTS if limits.min <= n <= limits.max)]))
+    else:
+        is_wrong = (np.abs(values) >= 1e30) | np.isin(values, np.array(NO_HEIGHTS, dtype))
+    found = np.argwhere(is_wrong & is_there)
+    if len(found):
+        value = values[tuple(found[0])].item()
+        _opened.cache_clear()  # the next read sees what is declared then
+        raise UndeclaredNoDataError(
+            f"{name}: the cell in row {row + found[0][0]}, column {column + found[0][1]} is {value:.9g}, which is no "
+            f"height, and the file does not declare that it stands for no data: rio edit-info --nodata {value!r} {name}"
+        )
+
+
+def open_mosaic(names: tuple[str, ...], height_unit: str | None = None) -> Mosaic:
+    """The mosaic of the files. Raises ValueError for files that share no grid, are rotated, have a CRS that is not in
+    metres, or heights in a unit that is not known."""
+    opened = [_checked(name) for name in names]
+    notes = tuple(
+        f"{name}: has {data.count} bands, and the first is taken for heights"
+        for name, data in zip(names, opened, strict=True)
+        if data.count > 1
+    )
     first = opened[0]
     grid = first.transform
-    if grid.b or grid.d or grid.a <= 0 or grid.e >= 0:
-        raise ValueError(f"{names[0]}: the raster is rotated or not north up: warp it first (rio warp, gdalwarp)")
-    _require_metres(first.crs, names[0])
     placed = []
     for data, name in zip(opened, names, strict=True):
+        if data.crs != first.crs and not _is_same_map(data.crs, first.crs):
+            raise ValueError(
+                f"{name}: its CRS ({_name_of(data.crs)}) is not that of {names[0]} ({_name_of(first.crs)}): warp it "
+                f"onto that grid first (rio warp IN.tif OUT.tif --like {names[0]})"
+            )
         other = data.transform
         column, row = (other.c - grid.c) / grid.a, (other.f - grid.f) / grid.e
-        tolerance = 1e-3
-        is_aligned = abs(column - round(column)) < tolerance and abs(row - round(row)) < tolerance
-        if (
-            (other.a, other.b, other.d, other.e) != (grid.a, 0.0, 0.0, grid.e)
-            or not is_aligned
-            or data.crs != first.crs
-        ):
-            raise ValueError(f"{name}: its grid or CRS is not that of {names[0]}: warp it onto that grid first")
-        placed.append((name, round(row), round(column), data.height, data.width))
+        shift = max(abs(column - round(column)), abs(row - round(row)))
+        drift = max(abs(other.a - grid.a) / grid.a * data.width, abs(other.e - grid.e) / -grid.e * data.height)
+        if max(shift, drift) >= 1e-2:  # cells
+            raise ValueError(
+                f"{name}: its grid (cells of {other.a!r} x {-other.e!r}, from {other.c!r}, {other.f!r} on) is not that "
+                f"of {names[0]} ({grid.a!r} x {-grid.e!r}, from {grid.c!r}, {grid.f!r} on): warp it onto that grid "
+                f"first (rio warp IN.tif OUT.tif --like {names[0]} covers that file's extent; gdalwarp -tap -tr any)"
+            )
+        unit = _unit_of(data, name, height_unit)
+        placed.append((name, round(row), round(column), data.height, data.width, unit))
         data.close()
     top, left = min(p[1] for p in placed), min(p[2] for p in placed)
     return Mosaic(
-        files=tuple(_File(p[0], p[1] - top, p[2] - left, p[3], p[4]) for p in placed),
+        files=tuple(_File(p[0], p[1] - top, p[2] - left, *p[3:]) for p in placed),
         west=grid.c + left * grid.a,
         north=grid.f + top * grid.e,
         dx=grid.a,
@@ -120,17 +176,77 @@ def open_mosaic(names: tuple[str, ...]) -> Mosaic:
         rows=max(p[1] + p[3] for p in placed) - top,
         columns=max(p[2] + p[4] for p in placed) - left,
         crs=first.crs.to_wkt() if first.crs else None,
+        notes=notes,
     )
 
 
-def _require_metres(crs: Any, name: str) -> None:
-    if crs is None:
-        return
-    if not crs.is_projected or abs(crs.linear_units_factor[1] - 1) > 1e-12:
+def crs_of(settings: Settings) -> str | None:
+    """The CRS of a study: that of its settings, or of its first raster."""
+    if settings.crs is not None or not settings.raster:
+        return settings.crs
+    return _crs_of_file(settings.raster[0], stamp_of(settings.raster[0]))
+
+
+@functools.lru_cache(maxsize=4)
+def _crs_of_file(name: str, stamp: tuple[int, int] | None) -> str | None:
+    with rasterio.open(name) as data:
+        return data.crs.to_wkt() if data.crs else None
+
+
+def _checked(name: str) -> Any:
+    """An open file of heights, north up, on a map in metres. Raises ValueError."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", rasterio.errors.NotGeoreferencedWarning)  # it becomes an error below
+            data = rasterio.open(name)
+    except rasterio.errors.RasterioError as error:
+        raise ValueError(f"{name}: {error}") from None
+    grid = data.transform
+    if grid == rasterio.Affine.identity():
         raise ValueError(
-            f"{name}: its coordinates ({crs.to_string()[:40]}) are not metres on a map: warp it to a projected CRS, "
-            "UTM or a national grid, first (rio warp --dst-crs EPSG:32632 ...)"
+            f"{name}: has no place on a map (no geotransform{', only ground control points' if data.gcps[0] else ''}): "
+            "give it its corners first (rio edit-info --transform, gdal_translate -a_ullr)"
         )
+    if grid.b or grid.d or grid.a <= 0 or grid.e >= 0:
+        raise ValueError(
+            f"{name}: the raster is rotated or not north up (its transform is {tuple(grid)[:6]}): warp it first (rio "
+            "warp IN.tif OUT.tif --dst-crs with its own CRS)"
+        )
+    if data.crs is not None:
+        require_metres(name, data.crs)
+    interpretation = data.colorinterp[0].name
+    if interpretation not in ("gray", "undefined") or np.dtype(data.dtypes[0]).kind == "c":
+        raise ValueError(
+            f"{name}: its first band is no band of heights ({interpretation}, {data.dtypes[0]}; {data.count} in all)"
+        )
+    return data
+
+
+def _name_of(crs: Any) -> str:
+    return "none" if crs is None else horizontal(crs).name
+
+
+def _is_same_map(one: Any, other: Any) -> bool:
+    return one is not None and other is not None and horizontal(one).equals(horizontal(other), ignore_axis_order=True)
+
+
+def _unit_of(data: Any, name: str, height_unit: str | None) -> float:
+    """The metres of the heights' unit: that of the settings, of the band, or of the CRS's heights."""
+    declared = height_unit if height_unit is not None else data.units[0] or None
+    try:
+        metres = metres_of_height(data.crs)
+    except ValueError as error:
+        remedy = "negate it (gdal_calc.py -A IN.tif --calc=-A), with a CRS of heights"
+        raise ValueError(f"{name}: {error}: {remedy}") from None
+    if declared is None:
+        return 1.0 if metres is None else metres
+    known = metres_of(declared)
+    if known is None:
+        raise ValueError(
+            f'{name}: its heights are in "{declared}", a unit that is not known: give height_unit=, such as "metre", '
+            '"foot", "US survey foot" or "centimetre"'
+        )
+    return known
 
 
 def faces_of_grid(rows: int, columns: int) -> NDArray[np.int64]:

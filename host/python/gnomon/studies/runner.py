@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import ast
 import contextlib
 import errno
 import itertools
@@ -12,9 +13,12 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from pathlib import Path
+from types import FrameType
 from typing import Any
 
+from .. import _gnomon
 from .plan import Plan, casters_to_survey, load_or_make_plan
+from .rasters import UndeclaredNoDataError
 from .record import write_record
 from .settings import Settings
 from .tasks import release_plans, run_task, sum_tile
@@ -84,6 +88,8 @@ def call_with_retries(key: Any, function: Callable[..., Any], arguments: tuple[A
     while True:
         try:
             return function(*arguments)
+        except UndeclaredNoDataError:
+            raise
         except Exception as error:
             failures += 1
             if _is_final(error) or failures >= MAX_CALLS:
@@ -123,6 +129,8 @@ class DaskExecutor:
                 error = (
                     future.exception() if future.status == "error" else RuntimeError(f"the call was {future.status}")
                 )
+                if isinstance(error, UndeclaredNoDataError):
+                    raise error
                 if failures + 1 >= MAX_CALLS or _is_final(error):
                     raise _stopped(call[0], error) from error
                 submit(call, failures + 1)
@@ -141,6 +149,8 @@ def _stopped(key: Any, error: BaseException) -> StudyStoppedError:
     text = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
     if isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
         text = f"{error.strerror}: {error.filename or 'the study folder'}: make room"
+    if isinstance(error, ValueError):  # of the input: the same study would stop at the same place
+        return StudyStoppedError(f"{error} (task {key})")
     return StudyStoppedError(
         f"task {key} failed: {text}. Tasks that are done are kept: run the same study again to go on"
     )
@@ -154,6 +164,7 @@ def executor_of(execution: Execution) -> Iterator[LocalExecutor | DaskExecutor]:
         yield DaskExecutor(execution.client, device)
         return
     if workers is None or workers == 0:
+        _gnomon.require_unforked()
         yield LocalExecutor(device)
         return
     import dask
@@ -163,11 +174,31 @@ def executor_of(execution: Execution) -> Iterator[LocalExecutor | DaskExecutor]:
         with Client(workers) as remote:
             yield DaskExecutor(remote, device)
         return
+    _require_main_guard()
     names = _devices_of(workers, device)
     config = {"distributed.scheduler.allowed-failures": 10, "distributed.worker.memory.terminate": False}
     with dask.config.set(config), _cluster(names) as cluster, Client(cluster) as local:
         local.wait_for_workers(len(names))
         yield DaskExecutor(local, None)
+
+
+def _require_main_guard() -> None:
+    """Worker processes import the program that runs, and would start the study again where no guard keeps them out."""
+    main = sys.modules["__main__"]
+    file = getattr(main, "__file__", None)
+    frame: FrameType | None = sys._getframe()
+    while frame is not None and not (frame.f_globals is main.__dict__ and frame.f_code.co_name == "<module>"):
+        frame = frame.f_back
+    if file is None or frame is None or not os.path.isfile(file):
+        return
+    for statement in ast.parse(Path(file).read_bytes()).body:
+        if isinstance(statement, ast.If) and "__name__" in ast.dump(statement.test):
+            return
+        if statement.lineno <= frame.f_lineno <= (statement.end_lineno or 0):
+            raise RuntimeError(
+                f"{file}, line {frame.f_lineno}: the worker processes of workers= import this program and would run "
+                "this line again: put it below if __name__ == \"__main__\":"
+            )
 
 
 def _devices_of(workers: int | str | Sequence[str], device: str | None) -> list[str | None]:

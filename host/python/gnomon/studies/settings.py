@@ -29,6 +29,8 @@ class Settings:
     raster: GeoTIFF files of heights (a DSM or DEM) on one grid, north up: a mosaic; where files overlap the first one
         counts. Names may hold * and ?. The centres of cells are vertices. The diagonal of each square of four centres
         runs from south-west to north-east. A triangle with a nodata corner does not exist.
+    height_unit: the unit of the raster's heights, such as "foot" or "US survey foot"; None: what each file declares,
+        its band or its CRS, and metres where it declares none. Feet are turned into metres: all results are metres.
     meshes: files in the study's coordinates less mesh_offset: CityJSON (.json, .city.json, .jsonl), from which each
         object has its highest level of detail; or a format that trimesh loads (glTF, OBJ, PLY, STL).
     mesh_up: "z", or "y" for meshes whose y is up (x, y, z becomes x, -z, y); None: "y" for glTF files, else "z".
@@ -71,6 +73,7 @@ class Settings:
     """
 
     raster: tuple[str, ...] = ()
+    height_unit: str | None = None
     meshes: tuple[str, ...] = ()
     mesh_up: str | None = None
     mesh_offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -137,6 +140,10 @@ def _check_scene(s: Settings) -> None:
     _need(s.mesh_up in (None, "y", "z"), f"mesh_up: {s.mesh_up!r} is neither 'y' nor 'z'")
     _need(len(s.mesh_offset) == 3, "mesh_offset: must be three numbers")
     _need(s.spacing > 0, f"spacing: {s.spacing} must be above 0")
+    if s.height_unit is not None:
+        from .units import metres_of
+
+        _need(metres_of(s.height_unit) is not None, f"height_unit: {s.height_unit!r} is no unit of length")
     names = [*s.raster, *s.meshes, *(f for f in (s.points, s.directions, s.weights) if f)]
     for name in names:
         _need(Path(name).exists() or "://" in name, f"{name}: there is no such file")
@@ -202,7 +209,7 @@ def settings_of(values: dict[str, Any], folder: Path | None = None) -> Settings:
     for key in ("points", "directions", "weights"):
         if key in fields:
             fields[key] = _files(fields[key], base)[0]
-    for key in ("start", "end", "crs"):
+    for key in ("start", "end", "crs", "height_unit"):
         if key in fields:
             fields[key] = fields[key].isoformat() if hasattr(fields[key], "isoformat") else str(fields[key])
     if "outputs" in fields:

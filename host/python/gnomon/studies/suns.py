@@ -2,8 +2,9 @@
 """Suns: a table of directions for each sun zone, made once for a study and kept beside its results.
 
 A zone is a square of the map, fixed in world coordinates; its suns are those of its centre. The direction in the map's
-coordinates follows from azimuth and elevation at the centre (pvlib's SPA) and from the meridian convergence there
-(pyproj): azimuth on the map = azimuth from true north - convergence. It is rounded once to float32.
+coordinates follows from azimuth and elevation at the centre (pvlib's SPA) and from the projection's Jacobian there
+(pyproj), which says where a metre to true east and one to true north lead on the map: their angles and their lengths.
+So shadows are as long as on the ground, in the map's metres. A direction is rounded once to float32.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from numpy.typing import NDArray
 from .. import _gnomon
 from .settings import Settings
 from .tables import read_suns, read_weights
+from .units import horizontal, jacobian
 
 #: Angle across the sun's disk as seen from the Earth, in degrees.
 SUN_ANGLE = 0.533
@@ -158,7 +160,7 @@ def _azimuth_and_elevation(
 
 
 class _Map:
-    """Longitude, latitude and convergence of the map's points."""
+    """Longitude, latitude and Jacobian of the map's points."""
 
     def __init__(self, crs: str | None) -> None:
         import pyproj
@@ -172,7 +174,7 @@ class _Map:
         units = {axis.unit_name for axis in projected.axis_info[:2]}
         if not projected.is_projected or units != {"metre"}:
             raise ValueError(f"crs: {projected.name} is not a map in metres: use UTM or a national grid")
-        self._projection = pyproj.Proj(projected)
+        self._projection = pyproj.Proj(horizontal(projected))
         self._to_degrees = pyproj.Transformer.from_crs(projected, "EPSG:4326", always_xy=True)
 
     def longitude_and_latitude(self, x: float, y: float) -> tuple[float, float]:
@@ -183,9 +185,14 @@ class _Map:
             )
         return longitude, latitude
 
-    def factors(self, x: float, y: float) -> Any:
+    def jacobian(self, x: float, y: float) -> NDArray[np.float64]:
         longitude, latitude = self._projection(x, y, inverse=True)  # on the CRS's own datum
-        return self._projection.get_factors(longitude, latitude)
+        return jacobian(self._projection, longitude, latitude)
+
+    def scales(self, x: float, y: float) -> tuple[float, float]:
+        """The most and the least map metres of a true metre."""
+        most, least = np.linalg.svd(self.jacobian(x, y), compute_uv=False).tolist()
+        return most, least
 
 
 def _towards(
@@ -193,13 +200,20 @@ def _towards(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """(M, 3) unit vectors to the suns in the map's coordinates, and elevations in degrees."""
     azimuth, elevation = _azimuth_and_elevation(s, times, *place.longitude_and_latitude(x, y))
-    return _on_map(azimuth - place.factors(x, y).meridian_convergence, elevation), elevation
+    return _on_map(azimuth, elevation, place.jacobian(x, y)), elevation
 
 
-def _on_map(azimuth: NDArray[np.float64], elevation: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(M, 3) unit vectors of degrees clockwise from the map's north, and above the horizon."""
+def _on_map(
+    azimuth: NDArray[np.float64], elevation: NDArray[np.float64], true_to_map: NDArray[np.float64] | None = None
+) -> NDArray[np.float64]:
+    """(M, 3) unit vectors of degrees clockwise from true north and above the horizon, on the map that the Jacobian (2,
+    2) leads to; without it north is the map's."""
     a, e = np.radians(azimuth), np.radians(elevation)
-    return np.stack([np.sin(a) * np.cos(e), np.cos(a) * np.cos(e), np.sin(e)], axis=1)
+    level = np.stack([np.sin(a) * np.cos(e), np.cos(a) * np.cos(e)], axis=1)
+    if true_to_map is None:
+        return np.column_stack([level, np.sin(e)])
+    towards = np.column_stack([level @ true_to_map.T, np.sin(e)])
+    return towards / np.linalg.norm(towards, axis=1, keepdims=True)
 
 
 def samples_of_disks(towards: NDArray[np.float64], samples: int) -> NDArray[np.float32]:
@@ -226,9 +240,7 @@ def suns_of(s: Settings, crs: str | None, box: tuple[float, float, float, float]
     for row, zone in enumerate(zones):
         towards, elevation = _towards(s, place, times, (zone[0] + 0.5) * s.zone, (zone[1] + 0.5) * s.zone)
         directions[row] = np.where((elevation >= s.min_elevation)[:, None], towards, np.nan)
-    is_counted = np.isfinite(directions[:, :, 0])
-    if not is_counted.any():
-        raise ValueError(f"suns: no sun of {s.start} to {s.end} is {s.min_elevation:g} degrees above the horizon")
+    is_counted = np.isfinite(directions[:, :, 0])  # none at all in a polar night, which has 0 hours
     if _is_hourly(times, s):
         word = np.array([24 * (t.month - 1) + t.hour for t in times])
         bit = np.array([t.day - 1 for t in times])
@@ -263,13 +275,16 @@ def _notes(
 ) -> dict[str, Any]:
     """The record's notes. They say how far the suns of a zone's centre are off in its corners: the most that is found
     in the first, the middle and the last zone."""
-    worst, distortion = 0.0, 0.0
+    worst = 0.0
+    scales: list[float] = []
     chosen = np.flatnonzero(is_counted.any(axis=0))
     sampled = [times[i] for i in chosen[:: max(1, len(chosen) // 64)]]
     for i, j in zones[sorted({0, len(zones) // 2, len(zones) - 1})]:
         x, y = (i + 0.5) * s.zone, (j + 0.5) * s.zone
+        scales += place.scales(x, y)
+        if not sampled:
+            continue
         middle = _towards(s, place, sampled, x, y)[0]
-        distortion = max(distortion, place.factors(x, y).angular_distortion)
         for dx in (-0.5, 0.5):
             for dy in (-0.5, 0.5):
                 corner = _towards(s, place, sampled, x + dx * s.zone, y + dy * s.zone)[0]
@@ -285,7 +300,7 @@ def _notes(
         "min_elevation": s.min_elevation,
         "error_across_a_zone_degrees": worst,
         "error_across_a_zone_metres": f"{tip:.3g} at the shadow's tip of a caster of 100 m at {s.min_elevation:g} deg",
-        "angular_distortion_of_the_map_degrees": distortion,
+        "map_metres_of_a_true_metre": f"{min(scales):.6f} to {max(scales):.6f}",
     }
 
 
@@ -301,8 +316,8 @@ def _suns_of_table(s: Settings, crs: str | None, zones: NDArray[np.int64]) -> Su
         assert s.directions is not None
         table = read_suns(s.directions)
         weights, left_out = table.weights, table.below_horizon
-        if not len(weights):
-            raise ValueError(f"{s.directions}: has no suns" + (" above the horizon" if left_out else ""))
+        if not len(weights) and not left_out:
+            raise ValueError(f"{s.directions}: has no suns")
         if table.towards is not None:
             towards = np.broadcast_to(table.towards, (len(zones), *table.towards.shape))
         else:
@@ -339,4 +354,4 @@ def _towards_by_angles(
         return np.broadcast_to(_on_map(azimuth, elevation), (len(zones), len(azimuth), 3))
     place = _Map(crs)
     centres = (zones + 0.5) * s.zone
-    return np.stack([_on_map(azimuth - place.factors(*xy).meridian_convergence, elevation) for xy in centres.tolist()])
+    return np.stack([_on_map(azimuth, elevation, place.jacobian(*xy)) for xy in centres.tolist()])

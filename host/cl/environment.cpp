@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: MIT
+// The environment that OpenCL drivers start in: a folder for PoCL's kernels, and why no driver has a device.
+#include "environment.hpp"
+
+#include <dlfcn.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <system_error>
+#include <vector>
+
+namespace gnomon::cl {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string variable(const char* name) {
+    const char* const value = std::getenv(name);
+    return value != nullptr ? value : "";
+}
+
+// Where PoCL keeps kernels, and the variable that says so. Without the folder it starts with no device.
+struct KernelFolder {
+    fs::path folder;
+    std::string named_by;
+};
+KernelFolder folder_of_pocl() {
+    if (const std::string own = variable("POCL_CACHE_DIR"); !own.empty()) return {own, "POCL_CACHE_DIR"};
+    if (const fs::path cache = variable("XDG_CACHE_HOME"); !cache.empty())
+        return {cache / "pocl" / "kcache", "XDG_CACHE_HOME"};
+    if (const fs::path home = variable("HOME"); !home.empty()) return {home / ".cache" / "pocl" / "kcache", "HOME"};
+    return {"/tmp/pocl/kcache", "no variable"};
+}
+
+// Whether a file can be made in the folder, or, where it is not there, in the nearest folder above it that is. This is
+// tried: what the permissions say is not all (read-only file systems, the superuser, /proc).
+bool is_writable(fs::path folder) {
+    std::error_code failed;
+    while (!fs::exists(folder, failed) && folder.has_parent_path() && folder != folder.parent_path())
+        folder = folder.parent_path();
+    if (!fs::is_directory(folder, failed)) return false;
+    std::string probe = (folder / ".gnomon-XXXXXX").string();
+    if (mkdtemp(probe.data()) == nullptr) return false;
+    return rmdir(probe.c_str()) == 0;
+}
+
+// A folder of this user's among temporary files; empty if none can be made.
+fs::path temporary_folder() {
+    for (const fs::path& base : {fs::path(variable("TMPDIR")), fs::path("/tmp"), fs::path("/dev/shm")}) {
+        if (base.empty()) continue;
+        const fs::path folder = base / ("gnomon-pocl-" + std::to_string(geteuid()));
+        struct stat found;
+        if (mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST) continue;
+        const bool is_ours = lstat(folder.c_str(), &found) == 0 && S_ISDIR(found.st_mode) && found.st_uid == geteuid();
+        if (is_ours && is_writable(folder)) return folder;
+    }
+    return {};
+}
+
+// Why a driver that is installed gives no device.
+std::string state_of_driver(const fs::path& file) {
+    std::ifstream stream(file);
+    std::string library;
+    std::getline(stream, library);
+    if (dlopen(library.c_str(), RTLD_LAZY | RTLD_LOCAL) == nullptr)
+        return file.string() + " names " + library + ", which cannot be loaded (" + dlerror() + ")";
+    return file.string() + " names " + library + ", which starts and has no device";
+}
+
+}  // namespace
+
+void give_pocl_a_folder() {
+    if (std::getenv("POCL_CACHE_DIR") != nullptr && variable("POCL_CACHE_DIR").empty()) unsetenv("POCL_CACHE_DIR");
+    if (is_writable(folder_of_pocl().folder)) return;
+    if (const fs::path folder = temporary_folder(); !folder.empty()) setenv("POCL_CACHE_DIR", folder.c_str(), 1);
+}
+
+std::string why_no_device() {
+    const KernelFolder kernels = folder_of_pocl();
+    std::string why = "there is no OpenCL device";
+    std::vector<std::string> states;
+    const std::string vendors = variable("OCL_ICD_VENDORS");
+    std::error_code failed;
+    for (const auto& entry : fs::directory_iterator(vendors.empty() ? "/etc/OpenCL/vendors" : vendors, failed))
+        if (entry.path().extension() == ".icd") states.push_back(state_of_driver(entry.path()));
+    std::sort(states.begin(), states.end());
+    if (states.empty())
+        why += ", and no driver in " + (vendors.empty() ? "/etc/OpenCL/vendors" : vendors + " (OCL_ICD_VENDORS)") +
+               ": install one (for the processor, Debian and Ubuntu have pocl-opencl-icd)";
+    for (std::size_t i = 0; i < states.size(); ++i) why += (i == 0 ? ": " : "; ") + states[i];
+    if (!is_writable(kernels.folder))
+        why += "; PoCL starts only where it can write its kernels, and cannot in " + kernels.folder.string() + " (by " +
+               kernels.named_by + "): name a folder in POCL_CACHE_DIR";
+    for (const char* name : {"POCL_DEVICES", "OCL_ICD_VENDORS", "OCL_ICD_FILENAMES", "CUDA_VISIBLE_DEVICES"})
+        if (std::getenv(name) != nullptr) why += "; " + std::string(name) + " is set to \"" + variable(name) + "\"";
+    return why;
+}
+
+}  // namespace gnomon::cl

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+
+namespace gnomon::cl {
+
+/// Names a temporary folder in POCL_CACHE_DIR where PoCL could not write its kernels, since it would then start without
+/// a device, or end the process. Call it before OpenCL is loaded.
+void give_pocl_a_folder();
+
+/// The sentence for a machine on which drivers list no device: what is installed, and which variable to look at.
+std::string why_no_device();
+
+}  // namespace gnomon::cl

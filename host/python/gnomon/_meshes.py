@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: MIT
+"""Meshes as other packages hold them, known by their attributes: none of the packages is imported."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from typing import Any
+
+import numpy as np
+
+#: Faces of meshio's cells as triangles; cells without area are left out.
+TRIANGLES_OF_CELLS = {"triangle": [[0, 1, 2]], "quad": [[0, 1, 2], [0, 2, 3]]}
+CELLS_WITHOUT_AREA = ("vertex", "line", "line3")
+
+
+def mesh_of(vertices: Any, faces: Any) -> tuple[Any, Any]:
+    """Vertices and faces of a mesh of trimesh, pyvista, meshio or Open3D; of arrays, themselves. Raises TypeError with
+    what to call for what is none."""
+    if faces is not None:
+        return vertices, faces
+    for kind in (_of_trimesh, _of_pyvista, _of_meshio, _of_open3d):
+        found = kind(vertices)
+        if found is not None:
+            return found
+    remedy = _remedy(vertices)
+    if remedy is not None:
+        raise TypeError(f"vertices: {type(vertices).__name__} is no mesh: {remedy}")
+    return vertices, None
+
+
+def _of_trimesh(mesh: Any) -> tuple[Any, Any] | None:
+    if hasattr(mesh, "geometry") and hasattr(mesh, "graph"):  # a scene: its parts where its transforms put them
+        parts = [part for part in mesh.dump() if hasattr(part, "faces")]
+        counts = np.cumsum([0, *(len(part.vertices) for part in parts)])
+        if not parts:
+            return np.empty((0, 3)), np.empty((0, 3), np.int64)
+        return (
+            np.concatenate([np.asarray(part.vertices) for part in parts]),
+            np.concatenate([np.asarray(part.faces) + first for part, first in zip(parts, counts, strict=False)]),
+        )
+    if hasattr(mesh, "vertices") and hasattr(mesh, "faces"):
+        return mesh.vertices, mesh.faces
+    return None
+
+
+def _of_pyvista(mesh: Any) -> tuple[Any, Any] | None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # the names of these functions change between versions
+        if hasattr(mesh, "n_blocks") and hasattr(mesh, "extract_geometry"):
+            mesh = mesh.extract_geometry()
+        if not (hasattr(mesh, "triangulate") and hasattr(mesh, "points")):
+            return None
+        surface = (mesh if hasattr(mesh, "regular_faces") else mesh.extract_surface()).triangulate()
+    return surface.points, np.asarray(surface.faces).reshape(-1, 4)[:, 1:]
+
+
+def _of_meshio(mesh: Any) -> tuple[Any, Any] | None:
+    if not (hasattr(mesh, "points") and hasattr(mesh, "cells") and hasattr(mesh, "cell_data")):
+        return None
+    points, faces = np.asarray(mesh.points), [np.empty((0, 3), np.int64)]
+    for block in mesh.cells:
+        if block.type in TRIANGLES_OF_CELLS:
+            faces += [np.asarray(block.data)[:, corners] for corners in TRIANGLES_OF_CELLS[block.type]]
+        elif block.type not in CELLS_WITHOUT_AREA:
+            raise TypeError(
+                f"vertices: a meshio mesh with cells of type {block.type!r}: of triangles and quads alone the surface "
+                "is known; take it with pyvista.wrap(mesh).extract_surface()"
+            )
+    if points.ndim == 2 and points.shape[1] == 2:
+        points = np.column_stack([points, np.zeros(len(points))])
+    return points, np.concatenate(faces)
+
+
+def _of_open3d(mesh: Any) -> tuple[Any, Any] | None:
+    if hasattr(mesh, "vertices") and hasattr(mesh, "triangles"):
+        return np.asarray(mesh.vertices), np.asarray(mesh.triangles)
+    if hasattr(mesh, "vertex") and hasattr(mesh, "triangle"):  # open3d.t.geometry
+        return mesh.vertex.positions.cpu().numpy(), mesh.triangle.indices.cpu().numpy()
+    return None
+
+
+def _remedy(given: Any) -> str | None:
+    if isinstance(given, str | os.PathLike):
+        name = os.fspath(given)
+        if str(name).lower().endswith((".glb", ".gltf")):
+            return f"gnomon.Scene.from_gltf({name!r}) reads the file"
+        return f"load it first, as gnomon.Scene(trimesh.load({name!r}))"
+    if hasattr(given, "read") and not hasattr(given, "__array__"):
+        return "load it first, as gnomon.Scene(trimesh.load(file, file_type=...)), or give Scene.from_gltf() its path"
+    if isinstance(given, dict):
+        return "give two arrays, gnomon.Scene(vertices, faces)"
+    if hasattr(given, "dims") and hasattr(given, "coords"):
+        return (
+            "gnomon.study(folder, raster=...) takes a raster of heights as a file, which data.rio.to_raster() writes; a "
+            "height field of arrays stands in docs/python.md, Side.vertices()"
+        )
+    if hasattr(given, "geometry") or hasattr(given, "geom_type"):
+        return "make triangles of the geometry first, as with trimesh.creation.extrude_polygon()"
+    if hasattr(given, "GetPoints") and hasattr(given, "GetNumberOfCells"):
+        return "gnomon.Scene(pyvista.wrap(mesh)) takes it"
+    if isinstance(given, list | tuple) and given and hasattr(given[0], "faces"):
+        return "join the meshes first, with trimesh.util.concatenate(meshes) or pyvista.merge(meshes)"
+    if hasattr(given, "points") or hasattr(given, "vertices"):
+        return "it has points and no faces: a cloud of points shadows nothing; give vertices and faces"
+    return None

@@ -1,0 +1,181 @@
+# SPDX-License-Identifier: MIT
+"""Triangles of mesh files: glTF by gnomon's own loader, as everywhere; CityJSON by cityjson; other formats by trimesh.
+
+Each file says what of it is left out. A polygon is divided into a fan of triangles where it is convex, and else by ear
+clipping: trimesh divides all polygons into fans.
+"""
+
+from __future__ import annotations
+
+import functools
+import re
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _arrays, _gnomon
+from . import cityjson
+from .rasters import UnreadableError, stamp_of
+from .units import require_crs_of_mesh
+
+#: Lines of an .obj file that are no triangles: points, lines, curves and free-form surfaces.
+OTHERS_OF_OBJ = re.compile(r"^[ \t]*(p|l|curv2?|surf)[ \t]", re.MULTILINE)
+POLYGON_OF_OBJ = re.compile(r"^[ \t]*f(?:[ \t]+[^\s#]+){4}", re.MULTILINE)
+
+
+class MeshFile(NamedTuple):
+    """triangles: (F, 3, 3) in the file's axes and in metres. up: "y" or "z". notes: what is left out, a sentence
+    each. crs: the CRS that the file names, or None."""
+
+    triangles: NDArray[np.float64]
+    up: str
+    notes: tuple[str, ...]
+    crs: str | None = None
+
+
+def load(name: str) -> MeshFile:
+    """Raises UnreadableError, which names the file."""
+    return _load(name, stamp_of(name))
+
+
+@functools.lru_cache(maxsize=4)
+def _load(name: str, stamp: tuple[int, int] | None) -> MeshFile:
+    try:
+        mesh = _loaded(name)
+    except UnreadableError:
+        raise
+    except Exception as error:  # a loader may raise anything at a broken file
+        text = str(error)
+        raise UnreadableError(text if text.startswith(name) else f"{name}: cannot be read: {error}") from error
+    if not np.isfinite(mesh.triangles).all():
+        raise UnreadableError(f"{name}: a coordinate is not finite")
+    _arrays.require_no_fill_values(mesh.triangles.reshape(-1, 9), name)
+    if not len(mesh.triangles):
+        mesh = mesh._replace(notes=(*mesh.notes, "has no triangles"))
+    return mesh
+
+
+def study_triangles(name: str, up: str | None, offset: tuple[float, float, float], crs: str | None) -> MeshFile:
+    """The file's triangles in a study's coordinates, z up: moved by the offset. Raises UnreadableError; and ValueError
+    for a file in another CRS than the study's."""
+    mesh = load(name)
+    triangles = mesh.triangles
+    if mesh.crs is not None:
+        triangles = triangles * [1, 1, require_crs_of_mesh(name, mesh.crs, triangles, crs, any(offset))]
+    if (up or mesh.up) == "y":
+        triangles = np.stack([triangles[..., 0], -triangles[..., 2], triangles[..., 1]], axis=-1)
+    return mesh._replace(triangles=triangles + np.array(offset), up="z")
+
+
+def _loaded(name: str) -> MeshFile:
+    if cityjson.is_cityjson(name):
+        city = cityjson.load(name)
+        return MeshFile(city.triangles, "z", city.notes, city.crs)
+    with open(name, "rb") as file:
+        is_glb = file.read(4) == b"glTF"
+    if is_glb or name.lower().endswith((".glb", ".gltf")):
+        return _loaded_gltf(name)
+    return _loaded_by_trimesh(name)
+
+
+def _loaded_gltf(name: str) -> MeshFile:
+    if not hasattr(_gnomon, "load_scene"):
+        raise UnreadableError(f"{name}: this build of gnomon reads no glTF files (docs/python.md, Install)")
+    scene = _gnomon.load_scene(name, scene=None, animation=None, time_s=None, blend=0, decode_alpha=None)
+    notes = tuple(warning.removeprefix(f"{name}: ") for warning in scene.warnings)
+    return MeshFile(scene.take_triangles().astype(np.float64), "y", notes)
+
+
+def _loaded_by_trimesh(name: str) -> MeshFile:
+    import trimesh
+
+    notes = []
+    suffix = Path(name).suffix.lower()
+    if suffix in (".obj", ".off"):
+        text = Path(name).read_text(encoding="utf-8", errors="replace").replace("\\\n", " ").replace("\\\r\n", " ")
+        if suffix == ".obj" and (others := len(OTHERS_OF_OBJ.findall(text))):
+            notes.append(f"{others} points, lines, curves or free-form surfaces are left out")
+        if suffix == ".off" or POLYGON_OF_OBJ.search(text):
+            return MeshFile(of_polygons(*(_off(text) if suffix == ".off" else _obj(text))), "z", tuple(notes))
+    scene: Any = trimesh.load_scene(name, process=False)
+    meshes = [g for g in scene.geometry.values() if isinstance(g, trimesh.Trimesh)]
+    if others := len(scene.geometry) - len(meshes):
+        notes.append(f"{others} point clouds or paths are left out")
+    raw: Any = next((g.metadata["_ply_raw"] for g in scene.geometry.values() if "_ply_raw" in g.metadata), {})
+    if "tristrips" in raw:
+        raise UnreadableError(f"{name}: has triangle strips, which are not read: export it with triangles as faces")
+    polygons = _polygons_of_ply(raw)
+    if polygons is not None:
+        return MeshFile(of_polygons(*polygons), "z", tuple(notes))
+    mesh: Any = scene.to_mesh()
+    triangles = np.asarray(mesh.vertices, np.float64)[np.asarray(mesh.faces, np.int64)].reshape(-1, 3, 3)
+    if scene.units not in (None, "m", "meter", "meters", "metre", "metres"):
+        scale = trimesh.units.unit_conversion(scene.units, "meters")
+        triangles = triangles * scale
+        notes.append(f"its unit is {scene.units}: its coordinates are multiplied by {scale:g}")
+    return MeshFile(triangles, "z", tuple(notes))
+
+
+Polygons = tuple[NDArray[np.float64], list[NDArray[np.int64]]]
+
+
+def _obj(text: str) -> Polygons:
+    """Vertices and faces of an .obj file: indices count from 1, or backwards from the last vertex so far."""
+    vertices: list[list[float]] = []
+    faces = []
+    for line in text.splitlines():
+        words = line.split("#", 1)[0].split()
+        if not words:
+            continue
+        if words[0] == "v":
+            vertices.append([float(word) for word in words[1:4]])
+        elif words[0] == "f":
+            corners = [int(word.split("/")[0]) for word in words[1:]]
+            faces.append(np.array([i - 1 if i > 0 else len(vertices) + i for i in corners], np.int64))
+    return np.array(vertices, np.float64).reshape(-1, 3), faces
+
+
+def _off(text: str) -> Polygons:
+    lines = [words for line in text.splitlines() if (words := line.split("#", 1)[0].split())]
+    if not lines[0][0].endswith("OFF") or "4OFF" in lines[0][0] or "nOFF" in lines[0][0]:
+        raise ValueError("does not begin with OFF")
+    lines[0] = lines[0][1:]
+    lines = lines[not lines[0] :]
+    vertex_count, face_count = int(lines[0][0]), int(lines[0][1])
+    vertices = np.array([line[:3] for line in lines[1 : 1 + vertex_count]], np.float64)
+    rows = lines[1 + vertex_count : 1 + vertex_count + face_count]
+    return vertices, [np.array(row[1 : 1 + int(row[0])], np.int64) for row in rows]
+
+
+def _polygons_of_ply(raw: Any) -> Polygons | None:
+    """What trimesh kept of a .ply file, if it has faces of more than 3 corners."""
+    face = raw.get("face", {}).get("data", {})
+    rows = next((face[key] for key in ("vertex_indices", "vertex_index") if hasattr(face, "keys") and key in face), ())
+    faces = [np.asarray(row, np.int64).reshape(-1) for row in rows]
+    if not any(len(face) > 3 for face in faces):
+        return None
+    vertex = raw["vertex"]["data"]
+    return np.stack([np.asarray(vertex[axis], np.float64).reshape(-1) for axis in "xyz"], axis=1), faces
+
+
+def of_polygons(vertices: NDArray[np.float64], faces: list[NDArray[np.int64]]) -> NDArray[np.float64]:
+    """Triangles (F, 3, 3) of faces in their order."""
+    parts: list[NDArray[np.float64]] = [np.empty((0, 3, 3))] * len(faces)
+    lengths = np.array([len(face) for face in faces], np.int64)
+    for n in np.unique(lengths[lengths >= 3]).tolist():
+        rows = np.flatnonzero(lengths == n)
+        indices = np.stack([faces[row] for row in rows])
+        if (indices < 0).any() or (indices >= len(vertices)).any():
+            raise ValueError(f"a face names a vertex that is not among its {len(vertices)}")
+        corners = vertices[indices]
+        edges = np.roll(corners, -1, axis=1) - corners
+        turns = np.cross(edges, np.roll(edges, -1, axis=1))  # at each corner but the first
+        from_first = corners - corners[:, :1]
+        normals = np.cross(from_first, np.roll(from_first, -1, axis=1)).sum(axis=1)
+        is_convex = ((turns * normals[:, None]).sum(axis=2) >= 0).all(axis=1)
+        fan = np.array([[0, i, i + 1] for i in range(1, n - 1)])
+        for row, polygon, convex in zip(rows.tolist(), corners, is_convex.tolist(), strict=True):
+            parts[row] = polygon[fan] if convex or n == 3 else cityjson.triangulated([polygon])
+    return np.concatenate([np.empty((0, 3, 3)), *parts])

@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: MIT
+#include "number_table.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <initializer_list>
+#include <optional>
+#include <utility>
+
+#include <gnomon.hpp>
+
+namespace gnomon::scene {
+namespace {
+
+constexpr std::string_view no_break_space = "\xc2\xa0", minus_sign = "\xe2\x88\x92";
+
+std::string joined(std::initializer_list<std::string_view> parts) {
+    std::string all;
+    for (const std::string_view part : parts) all.append(part);
+    return all;
+}
+
+std::string replaced(std::string_view text, std::string_view from, std::string_view to) {
+    std::string all;
+    for (std::size_t at = 0; at <= text.size();) {
+        const std::size_t found = std::min(text.find(from, at), text.size());
+        all.append(text.substr(at, found - at)).append(found < text.size() ? to : std::string_view());
+        at = found + (found < text.size() ? from.size() : 1);
+    }
+    return all;
+}
+
+std::string trimmed(std::string_view text) {
+    const std::size_t first = text.find_first_not_of(" \t");
+    if (first == std::string_view::npos) return {};
+    return std::string(text.substr(first, text.find_last_not_of(" \t") + 1 - first));
+}
+
+std::string lower_case(std::string text) {
+    std::ranges::transform(text, text.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; });
+    return text;
+}
+
+/// Whether the text is a number as a whole; its value may be no finite one.
+template <typename Value>
+std::optional<Value> number_of(const std::string& given) {
+    const std::string text = replaced(given, minus_sign, "-");
+    const char *first = text.data(), *const end = first + text.size();
+    if (text.size() > 1 && *first == '+' && first[1] != '-') ++first;
+    Value value = 0;
+    const auto [stopped, error] = std::from_chars(first, end, value);
+    if (stopped != end || first == end) return std::nullopt;
+    if (error == std::errc::result_out_of_range) {  // too small is 0, too large is no finite number
+        const auto wide = std::is_same_v<Value, float> ? number_of<double>(text) : std::nullopt;
+        if (wide && std::fabs(*wide) < 1) return Value(*wide);
+        return std::nullopt;
+    }
+    return error == std::errc{} && std::isfinite(value) ? std::optional(value) : std::nullopt;
+}
+
+bool is_number(const std::string& text) { return number_of<double>(text).has_value(); }
+
+/// Calls visit(character, whether it stands in quotes).
+template <typename Visit>
+void for_each_character(std::string_view line, const Visit& visit) {
+    bool is_quoted = false;
+    for (const char c : line) {
+        if (c == '"') is_quoted = !is_quoted;
+        visit(c, is_quoted);
+    }
+}
+
+/// The separator of a line: ';', tab, ',' or ' ', the first of these that it has.
+char separator_of(std::string_view line) {
+    for (const char separator : {';', '\t', ','}) {
+        bool is_there = false;
+        for_each_character(line, [&](char c, bool is_quoted) { is_there |= c == separator && !is_quoted; });
+        if (is_there) return separator;
+    }
+    return ' ';
+}
+
+/// A cell without its quotes; two quotes inside are one.
+std::string unquoted(std::string_view raw) {
+    std::string cell = trimmed(raw);
+    if (cell.size() < 2 || cell.front() != '"' || cell.back() != '"') return cell;
+    return trimmed(replaced(cell.substr(1, cell.size() - 2), "\"\"", "\""));
+}
+
+void add_cell(std::vector<std::string>& cells, const std::string& cell, char separator) {
+    if (separator == ' ' && cell.empty()) return;
+    const bool is_unit = separator == ' ' && !cells.empty() && (cell.front() == '[' || cell.front() == '(');
+    if (is_unit)
+        cells.back() += cell;
+    else
+        cells.push_back(unquoted(cell));
+}
+
+std::vector<std::string> cells_of(std::string_view line, char separator) {
+    std::vector<std::string> cells;
+    std::string cell;
+    for_each_character(line, [&](char c, bool is_quoted) {
+        const bool ends = !is_quoted && (c == separator || (separator == ' ' && c == '\t'));
+        if (!ends) {
+            cell += c;
+        } else {
+            add_cell(cells, cell, separator);
+            cell.clear();
+        }
+    });
+    add_cell(cells, cell, separator);
+    return cells;
+}
+
+/// The line from `at` on, which moves behind its end: \n, \r\n or \r.
+std::string_view next_line(std::string_view text, std::size_t& at) {
+    const std::size_t end = std::min(text.find_first_of("\r\n", at), text.size());
+    const std::string_view line = text.substr(at, end - at);
+    at = end + (text.substr(end, 2) == "\r\n" ? 2 : 1);
+    return line;
+}
+
+struct Heading {
+    std::string name, unit;
+};
+
+/// "X [m]" is x in m.
+Heading heading_of(const std::string& cell) {
+    const std::string name = lower_case(cell);
+    const std::size_t open = name.find_first_of("([");
+    if (open == std::string::npos || open == 0 || name.find_first_of(")]", open) == std::string::npos)
+        return {name, {}};
+    return {trimmed(std::string_view(name).substr(0, open)),
+            trimmed(std::string_view(name).substr(open + 1, name.find_first_of(")]", open) - open - 1))};
+}
+
+bool is_coordinate(std::string_view name) { return name == "x" || name == "y" || name == "z"; }
+
+bool is_metres(std::string_view unit) {
+    constexpr std::array metres{"", "m", "metre", "metres", "meter", "meters"};
+    return std::ranges::find(metres, unit) != metres.end();
+}
+
+}  // namespace
+
+std::map<std::string, std::string> point_headings() {
+    return {{"easting", "x"}, {"east", "x"},      {"northing", "y"}, {"north", "y"},
+            {"height", "z"},  {"elevation", "z"}, {"altitude", "z"}};
+}
+
+NumberTable::NumberTable(std::string_view text, std::string file, const TableColumns& columns)
+    : file_(std::move(file)) {
+    if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
+        throw InvalidArgument(file_ + ": is UTF-16 text: save it as UTF-8 (\"CSV UTF-8\" in spreadsheets)");
+    if (text.find('\0') != std::string_view::npos) throw InvalidArgument(file_ + ": is no text");
+    if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+    std::optional<char> separator;
+    std::size_t number = 0;
+    for (std::size_t at = 0; at < text.size();) {
+        ++number;
+        const std::string line = replaced(next_line(text, at), no_break_space, " ");
+        if (trimmed(line).starts_with('#') || line.find_first_not_of(",;\t \"") == std::string::npos) continue;
+        if (!separator) separator = separator_of(line);
+        const bool is_one_column =
+            std::ranges::any_of(columns.unnamed, [](const auto& names) { return names.size() == 1; });
+        if (separator == ' ' && is_one_column) separator = '\n';  // its heading may be words
+        take_line(number, cells_of(line, *separator), columns);
+    }
+}
+
+void NumberTable::take_line(std::size_t number, std::vector<std::string> cells, const TableColumns& columns) {
+    if (names_.empty()) {
+        while (cells.size() > 1 && cells.back().empty()) cells.pop_back();  // a separator at the end
+        if (std::ranges::none_of(cells, is_number)) return take_headings(std::move(cells), columns);
+        for (const auto& names : columns.unnamed)
+            if (names.size() == cells.size()) names_ = names;
+        if (names_.empty()) {
+            std::string counts;
+            for (const auto& names : columns.unnamed)
+                counts.append(counts.empty() ? "" : " or ").append(std::to_string(names.size()));
+            const std::string count = std::to_string(cells.size());
+            throw InvalidArgument(joined({file_, ": must have ", counts, " columns, or names for its ", count}));
+        }
+    }
+    lines_.push_back(number);
+    while (cells.size() > names_.size() && cells.back().empty()) cells.pop_back();
+    if (cells.size() != names_.size())
+        refuse(rows() - 1,
+               joined({std::to_string(cells.size()), " columns in place of ", std::to_string(names_.size())}));
+    std::ranges::move(cells, std::back_inserter(cells_));
+}
+
+void NumberTable::take_headings(std::vector<std::string> cells, const TableColumns& columns) {
+    std::vector<Heading> headings;
+    for (const std::string& cell : cells) headings.push_back(heading_of(cell));
+    for (Heading& heading : headings) {
+        const auto other = columns.other_names.find(heading.name);
+        if (other == columns.other_names.end()) continue;
+        const bool is_taken = std::ranges::any_of(headings, [&](const auto& h) { return h.name == other->second; });
+        if (!is_taken) heading.name = other->second;
+    }
+    for (std::size_t i = 0; i < headings.size(); ++i) {
+        const Heading& heading = headings[i];
+        if (is_coordinate(heading.name) && !is_metres(heading.unit))
+            throw InvalidArgument(joined({file_, ": the column \"", cells[i], "\" must be in metres"}));
+        if (!heading.name.empty() && std::ranges::find(names_, heading.name) != names_.end())
+            throw InvalidArgument(joined({file_, ": has two columns \"", heading.name, "\""}));
+        names_.push_back(heading.name);
+    }
+}
+
+bool NumberTable::has(std::string_view column) const { return std::ranges::find(names_, column) != names_.end(); }
+
+void NumberTable::require(const std::vector<std::string>& columns, const std::string& what) const {
+    if (std::ranges::all_of(columns, [&](const auto& name) { return has(name); })) return;
+    std::string there;
+    for (const std::string& name : names_) there.append(there.empty() ? "; it has " : ", ").append(name);
+    throw InvalidArgument(joined({file_, ": ", what, there.empty() ? "; it is empty" : there}));
+}
+
+std::size_t NumberTable::column(std::string_view name) const {
+    return std::size_t(std::ranges::find(names_, name) - names_.begin());
+}
+
+const std::string& NumberTable::text(std::size_t row, std::string_view name) const {
+    return cells_[row * names_.size() + column(name)];
+}
+
+template <typename Value>
+Value NumberTable::value(std::size_t row, std::string_view name) const {
+    const std::string& cell = text(row, name);
+    if (const auto value = number_of<Value>(cell)) return *value;
+    if (cell.empty()) refuse(row, joined({"no ", name}));
+    const bool has_comma = std::ranges::count(cell, ',') == 1 && is_number(replaced(cell, ",", "."));
+    const std::string why = has_comma         ? "a decimal comma: write " + replaced(cell, ",", ".")
+                            : is_number(cell) ? "which is beyond float32"
+                                              : "which is no finite number";
+    refuse(row, joined({name, " = \"", cell, "\", ", why}));
+}
+
+double NumberTable::number(std::size_t row, std::string_view name) const { return value<double>(row, name); }
+float NumberTable::float_number(std::size_t row, std::string_view name) const { return value<float>(row, name); }
+
+std::vector<double> NumberTable::numbers(std::string_view name) const {
+    std::vector<double> values(rows());
+    for (std::size_t row = 0; row < rows(); ++row) values[row] = number(row, name);
+    return values;
+}
+
+std::vector<float> NumberTable::float_numbers(std::string_view name) const {
+    std::vector<float> values(rows());
+    for (std::size_t row = 0; row < rows(); ++row) values[row] = float_number(row, name);
+    return values;
+}
+
+void NumberTable::refuse(std::size_t row, const std::string& reason) const {
+    throw InvalidArgument(joined({file_, ", line ", std::to_string(lines_[row]), " has ", reason}));
+}
+
+}  // namespace gnomon::scene

@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: MIT
+"""Every carrier of *no data* of rasters: declared ones are absent; others are one sentence with file, cell, value and a
+remedy, which is tried here."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import rasterio
+from gnomon import studies
+from made import UTM, write_suns
+
+SUNS = [(180, 45)]
+#: A flat ground at 10 with one hole.
+HOLE = (5, 7)
+
+
+def write(path, value, dtype, nodata=None, mask=None, alpha=False, **more):
+    heights = np.full((24, 24), 10, dtype)
+    heights[HOLE] = value
+    with rasterio.open(
+        path, "w", driver="GTiff", height=24, width=24, count=2 if alpha else 1, dtype=dtype, crs=UTM, nodata=nodata,
+        transform=rasterio.Affine(25, 0, 512_000, 0, -25, 5_002_400), **more,
+    ) as file:  # fmt: skip
+        file.write(heights, 1)
+        is_there = np.full(heights.shape, 255, np.uint8)
+        is_there[HOLE] = 0
+        if mask:
+            file.write_mask(is_there)
+        if alpha:
+            top = np.iinfo(dtype).max if np.dtype(dtype).kind in "iu" else 255
+            file.write((is_there // 255).astype(dtype) * np.array(top, dtype), 2)
+            file.colorinterp = [rasterio.enums.ColorInterp.gray, rasterio.enums.ColorInterp.alpha]
+    return str(path)
+
+
+def hours(folder, raster, **more):
+    suns = write_suns(folder / "suns.csv", SUNS)
+    study = studies.study(folder / "study", raster=raster, directions=suns, outputs=["bits"], **more)
+    return study.dataset()
+
+
+def is_absent(dataset):
+    """All of the flat ground is lit, but for the hole, where nothing stands and which shadows nothing."""
+    lit = (dataset.lit.values[0] & 1).astype(bool)
+    expected = np.ones(lit.shape, bool)
+    expected[HOLE] = False
+    return (lit == expected).all()
+
+
+LOWEST = float(np.finfo(np.float32).min)
+DECLARED = {
+    "nodata in float32": dict(value=-9999, dtype="float32", nodata=-9999),
+    "nodata in float64": dict(value=-1e300, dtype="float64", nodata=-1e300),
+    "nodata in int16": dict(value=-32768, dtype="int16", nodata=-32768),
+    "nodata in uint16": dict(value=65535, dtype="uint16", nodata=65535),
+    "nodata in uint8": dict(value=255, dtype="uint8", nodata=255),
+    "nodata in int32": dict(value=-(2**31), dtype="int32", nodata=-(2**31)),
+    "nodata is the lowest float": dict(value=LOWEST, dtype="float32", nodata=LOWEST),
+    "nodata is 0": dict(value=0, dtype="float32", nodata=0),
+    "nodata is NaN": dict(value=np.nan, dtype="float32", nodata=np.nan),
+    "NaN, undeclared": dict(value=np.nan, dtype="float32"),
+    "NaN, and nodata is another": dict(value=np.nan, dtype="float64", nodata=-9999),
+    "infinity": dict(value=np.inf, dtype="float32"),
+    "minus infinity": dict(value=-np.inf, dtype="float32"),
+    "a mask in the file": dict(value=0, dtype="float32", mask=True),
+    "a mask over a fill value": dict(value=-32768, dtype="int16", mask=True),
+    "an alpha band": dict(value=0, dtype="uint16", alpha=True),
+    "tiled and deflated": dict(value=-9999, dtype="float32", nodata=-9999, tiled=True, blockxsize=16, blockysize=16,
+                               compress="deflate"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("carrier", DECLARED)
+def test_declared(carrier, tmp_path):
+    raster = write(tmp_path / "dsm.tif", **DECLARED[carrier])
+    assert is_absent(hours(tmp_path, raster))
+
+
+def test_declared_elsewhere(tmp_path):
+    """In a file beside the raster, and in a VRT around it."""
+    raster = write(tmp_path / "dsm.tif", -9999, "float32")
+    with rasterio.open(raster) as file:
+        west, north = file.bounds.left, file.bounds.top
+    vrt = tmp_path / "dsm.vrt"
+    vrt.write_text(
+        f'<VRTDataset rasterXSize="24" rasterYSize="24"><SRS>{UTM}</SRS>'
+        f"<GeoTransform>{west},25,0,{north},0,-25</GeoTransform>"
+        '<VRTRasterBand dataType="Float32" band="1"><NoDataValue>-9999</NoDataValue><SimpleSource>'
+        '<SourceFilename relativeToVRT="1">dsm.tif</SourceFilename><SourceBand>1</SourceBand></SimpleSource>'
+        "</VRTRasterBand></VRTDataset>"
+    )
+    assert is_absent(hours(tmp_path, str(vrt)))
+    (tmp_path / "dsm.tif.aux.xml").write_text(
+        '<PAMDataset><PAMRasterBand band="1"><NoDataValue>-9999</NoDataValue></PAMRasterBand></PAMDataset>'
+    )
+    assert is_absent(hours(tmp_path, raster, restart=True))
+
+
+UNDECLARED = {
+    "the lowest float": (LOWEST, "float32", None),
+    "the lowest double": (float(np.finfo(np.float64).min), "float64", None),
+    "the largest float": (-LOWEST, "float32", None),
+    "netCDF's": (9.969209968386869e36, "float32", None),
+    "1e20": (1e20, "float32", None),
+    "-9999": (-9999, "float32", None),
+    "-9999 in int16": (-9999, "int16", None),
+    "-32768 in float32": (-32768, "float32", None),
+    "-32768 in int16": (-32768, "int16", None),
+    "-32767 in int16": (-32767, "int16", None),
+    "32767 in int16": (32767, "int16", None),
+    "65535 in uint16": (65535, "uint16", None),
+    "the least int32": (-(2**31), "int32", None),
+    "another one is declared": (-32768, "int16", -9999),
+}
+
+
+@pytest.mark.parametrize("carrier", UNDECLARED)
+def test_undeclared_is_one_sentence_and_its_remedy_helps(carrier, tmp_path):
+    value, dtype, nodata = UNDECLARED[carrier]
+    raster = write(tmp_path / "dsm.tif", value, dtype, nodata)
+    with pytest.raises(ValueError, match="row 5, column 7 is ") as error:
+        hours(tmp_path, raster)
+    text = str(error.value)
+    assert "run the same study again" not in text and "\n" not in text and text.startswith(raster)
+    remedy = text[text.index("rio edit-info") :].split()
+    code = "import sys; from rasterio.rio.main import main_group; sys.exit(main_group(sys.argv[1:]))"
+    done = subprocess.run([sys.executable, "-c", code, *remedy[1:]], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert is_absent(hours(tmp_path, raster, restart=True))
+
+
+def test_by_workers_it_is_the_same_sentence(tmp_path):
+    raster = write(tmp_path / "dsm.tif", -32768, "int16")
+    with pytest.raises(ValueError, match="row 5, column 7 is -32768, which is no height"):
+        hours(tmp_path, raster, workers=1)
+
+
+@pytest.mark.parametrize(
+    ("value", "dtype"), [(-9998, "int16"), (0, "float32"), (0, "uint16"), (255, "uint8"), (8848, "float32")]
+)
+def test_heights_are_heights(value, dtype, tmp_path):
+    heights = hours(tmp_path, write(tmp_path / "dsm.tif", value, dtype))
+    assert (heights.lit.values[0] & 1)[0, 0] == 1
+
+
+def test_a_mesh_with_a_fill_value(tmp_path):
+    mesh = tmp_path / "mesh.obj"
+    mesh.write_text("v 0 0 0\nv 1 0 0\nv 0 1 -3.4028234663852886e+38\nf 1 2 3\n")
+    points = tmp_path / "points.csv"
+    points.write_text("x,y,z\n0,0,5\n")
+    suns = write_suns(tmp_path / "suns.csv", SUNS)
+    with pytest.raises((ValueError, studies.StudyStoppedError), match="stands for no data"):
+        studies.study(tmp_path / "study", meshes=[str(mesh)], receivers="points", points=str(points), directions=suns)

@@ -1,0 +1,456 @@
+# SPDX-License-Identifier: MIT
+"""Files as people have them, each with the right answer and its reason. A table a kind: mesh files, CityJSON, units of
+heights, grids, projections. Members that are no trouble stand there too, so that they stay none."""
+
+import json
+import shutil
+import warnings
+import zipfile
+
+import gltf_made
+import numpy as np
+import pyproj
+import pytest
+import rasterio
+from gnomon.studies import StudyStoppedError, units
+from made import run
+
+DOWN, WEST = [[0, 0, -1]], [[1, 0, -1]]  # travelling straight down; from the west, 45 degrees high
+
+
+def answers(folder, travelling=DOWN, points=None, **settings):
+    """(N,) or (R, C) bool of one direction; the study; and its warnings."""
+    np.savetxt(folder / "suns.csv", travelling, delimiter=",", header="x,y,z", comments="")
+    if points is not None:
+        np.savetxt(folder / "points.csv", points, delimiter=",", header="x,y,z", comments="")
+        settings |= dict(receivers="points", points=str(folder / "points.csv"))
+    shutil.rmtree(folder / "study", ignore_errors=True)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        study = run(folder / "study", directions=str(folder / "suns.csv"), outputs=["bits"], **settings)
+    lit = study.plan.store.array("results.zarr/lit")[:][0] & 1
+    return lit.astype(bool), study, [str(w.message) for w in caught]
+
+
+# ---- glTF: by gnomon's own loader ----------------------------------------------------------------------------------
+# A roof of 20 x 20 m in 10 m: point 0 in its middle and point 2 near its edge are dark, point 1 beside it is lit.
+
+ROOF = np.array([[-10, 10, -10], [10, 10, 10], [10, 10, -10], [-10, 10, -10], [-10, 10, 10], [10, 10, 10]], np.float32)
+ON_GROUND = ROOF * np.float32([1, 0, 1])
+UNDER_ROOF = [[0, 0, 0], [50, 0, 0], [-9, 0, 0]]
+
+
+def node(made, mesh, **more):
+    """A root of the scene."""
+    index = made.add("nodes", **({} if mesh is None else dict(mesh=mesh)), **more)
+    made.json.setdefault("scenes", [{"nodes": []}])[0]["nodes"].append(index)
+    return index
+
+
+def plain(made):
+    node(made, made.mesh(made.accessor(ROOF)))
+
+
+def quantised(made):
+    values = np.zeros((6, 4), np.int16)
+    values[:, :3] = np.round(ROOF / 10 * 32767)
+    positions = made.accessor(values[:, :3], "int16", 8, normalized=True)
+    node(made, made.mesh(positions), scale=[10, 10, 10])
+    made.json["extensionsUsed"] = made.json["extensionsRequired"] = ["KHR_mesh_quantization"]
+
+
+def sparse(made):
+    node(made, made.mesh(made.sparse((6, 3), list(range(6)), ROOF)))
+
+
+def instanced(made):
+    half = made.mesh(made.accessor(ROOF * np.float32([0.5, 1, 1])))
+    at = made.accessor([[-5, 0, 0], [5, 0, 0]])
+    node(made, half, extensions={"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": at}}})
+    made.json["extensionsUsed"] = ["EXT_mesh_gpu_instancing"]
+
+
+def morphed(made):
+    lift = made.accessor(ROOF - ON_GROUND)
+    node(made, made.mesh(made.accessor(ON_GROUND), targets=[{"POSITION": lift}], weights=[1.0]))
+
+
+def strip(made):
+    node(made, made.mesh(made.accessor(ROOF[[0, 4, 2, 1]])))
+    made.json["meshes"][0]["primitives"][0]["mode"] = 5
+
+
+def fan(made):
+    node(made, made.mesh(made.accessor(ROOF[[0, 4, 1, 2]])))
+    made.json["meshes"][0]["primitives"][0]["mode"] = 6
+
+
+def interleaved(made):
+    node(made, made.mesh(made.accessor(ROOF, stride=32)))
+
+
+def skinned(made):
+    joints = made.accessor(np.zeros((6, 4)), "uint8")
+    weights = made.accessor(np.tile([1, 0, 0, 0], (6, 1)))
+    mesh = made.mesh(made.accessor(ON_GROUND), {"JOINTS_0": joints, "WEIGHTS_0": weights})
+    node(made, mesh, skin=0)
+    made.add("skins", joints=[node(made, None, translation=[0, 10, 0])])
+
+
+def second_scene(made):
+    mesh = made.mesh(made.accessor(ROOF))
+    node(made, mesh, translation=[100, 0, 0])
+    node(made, mesh)
+    made.json["scenes"], made.json["scene"] = [{"nodes": [0]}, {"nodes": [1]}], 1
+
+
+def hierarchy(made):
+    made.add("nodes", children=[1], translation=[50, 0, 0])
+    made.add("nodes", mesh=made.mesh(made.accessor(ROOF)), translation=[-50, 0, 0])
+    made.json["scenes"] = [{"nodes": [0]}]
+
+
+def mirrored(made):
+    node(made, made.mesh(made.accessor(ROOF)), scale=[-1, 1, 1])
+
+
+def hidden_beside(made):
+    plain(made)
+    node(made, made.mesh(made.accessor(ROOF)), translation=[50, 0, 0],
+              extensions={"KHR_node_visibility": {"visible": False}})  # fmt: skip
+    made.json["extensionsUsed"] = ["KHR_node_visibility"]
+
+
+GLTF = [plain, quantised, sparse, instanced, morphed, strip, fan, interleaved, skinned, second_scene, hierarchy,
+        mirrored, hidden_beside]  # fmt: skip
+
+
+@pytest.mark.parametrize("make", GLTF, ids=[f.__name__ for f in GLTF])
+def test_gltf(tmp_path, make):
+    made = gltf_made.Made()
+    make(made)
+    (tmp_path / "roof.glb").write_bytes(made.glb())
+    lit, study, notes = answers(tmp_path, points=UNDER_ROOF, meshes=str(tmp_path / "roof.glb"))
+    assert lit.tolist() == [False, True, False] and study.record["undecided"] == 0 and not notes
+    import gnomon
+
+    own = gnomon.Scene.from_gltf(tmp_path / "roof.glb").lit(UNDER_ROOF, direction=(0, -1, 0))
+    assert own.tolist() == [False, True, False], "Scene.from_gltf() answers the same; y is up there"
+
+
+def test_what_a_gltf_file_leaves_out_is_said(tmp_path):
+    made = gltf_made.Made()
+    plain(made)
+    made.mesh(made.accessor(ROOF))
+    made.json["meshes"][1]["primitives"][0]["mode"] = 1
+    node(made, 1)
+    (tmp_path / "lines.glb").write_bytes(made.glb())
+    lit, _, notes = answers(tmp_path, points=UNDER_ROOF, meshes=str(tmp_path / "lines.glb"))
+    assert lit.tolist() == [False, True, False]
+    assert notes == [f"{tmp_path}/lines.glb: points and lines are left out: primitive 0 of mesh 1 (lines)"]
+
+
+# ---- Other mesh files ----------------------------------------------------------------------------------------------
+# An L in 10 m, whose notch is over point (5, 5): a fan from the wrong corner covers it. Point (-9, 0) is under the L.
+
+L_CORNERS = [[-10, -10, 10], [10, -10, 10], [10, -1, 10], [-1, -1, 10], [-1, 10, 10], [-10, 10, 10]]
+UNDER_L = [[5, 5, 0], [50, 0, 0], [-9, 0, 0], [9, -5, 0]]
+IN_L = [True, True, False, False]
+
+
+def rows(prefix=""):
+    return "".join(prefix + " ".join(map(str, corner)) + "\n" for corner in L_CORNERS)
+
+
+def ply(kind="float", faces="6 2 3 4 5 0 1\n", count=1, element="face"):
+    head = f"ply\nformat ascii 1.0\nelement vertex 6\nproperty {kind} x\nproperty {kind} y\nproperty {kind} z\n"
+    return head + f"element {element} {count}\nproperty list int int vertex_indices\nend_header\n" + rows() + faces
+
+
+MESHES = {
+    "concave.obj": (rows("v ") + "f 3 4 5 6 1 2\n", ""),
+    "backwards.obj": (rows("v ") + "f -4 -3 -2 -1 -6 -5\n", ""),
+    "continued.obj": (rows("v ") + "f 3 4 5 \\\n6 1 2 # the roof\n", ""),
+    "textured.obj": (rows("v ") + "vt 0 0\nvn 0 0 1\nf 3/1/1 4/1/1 5//1 6/1 1 2\n", ""),
+    "lines.obj": (rows("v ") + "l 1 2\np 3\nf 3 4 5 6 1 2\n", "2 points, lines, curves or free-form surfaces are left"),
+    "triangles.obj": (rows("v ") + "f 1 2 3\nf 1 3 4\nf 1 4 5\nf 1 5 6\n", ""),
+    "concave.ply": (ply(), ""),
+    "doubles.ply": (ply("double"), ""),
+    "mixed.ply": (ply(faces="3 0 1 2\n5 3 4 5 0 2\n", count=2), ""),
+    "concave.off": ("OFF\n6 1 0\n" + rows() + "6 2 3 4 5 0 1\n", ""),
+    "one_line.off": ("OFF 6 1 0 # an L\n" + rows() + "6 2 3 4 5 0 1 255 0 0\n", ""),
+}
+
+
+@pytest.mark.parametrize("name", MESHES)
+def test_mesh_files(tmp_path, name):
+    text, note = MESHES[name]
+    (tmp_path / name).write_text(text)
+    lit, study, notes = answers(tmp_path, points=UNDER_L, meshes=str(tmp_path / name))
+    assert lit.tolist() == IN_L and study.record["undecided"] == 0
+    assert len(notes) == bool(note) and all(note in text for text in notes)
+
+
+NO_MESHES = {
+    "points.ply": (ply(count=0, faces=""), "left out.*has no triangles"),
+    "strips.ply": (ply(element="tristrips", faces="4 0 1 5 2\n"), "triangle strips, which are not read"),
+    "bad.obj": (rows("v ") + "f 1 2 3 9\n", "names a vertex that is not among its 6"),
+    "wires.obj": (rows("v ") + "l 1 2 3\n", "1 points, lines.*has no triangles"),
+    "model.foo": ("x", "'foo' not supported"),
+}
+
+
+@pytest.mark.parametrize("name", NO_MESHES)
+def test_files_without_triangles_say_why(tmp_path, name):
+    text, note = NO_MESHES[name]
+    (tmp_path / name).write_text(text)
+    with pytest.warns(UserWarning, match=note):
+        np.savetxt(tmp_path / "suns.csv", DOWN, delimiter=",", header="x,y,z", comments="")
+        np.savetxt(tmp_path / "points.csv", UNDER_L, delimiter=",", header="x,y,z", comments="")
+        run(tmp_path / "study", meshes=str(tmp_path / name), receivers="points", points=str(tmp_path / "points.csv"),
+            directions=str(tmp_path / "suns.csv"), outputs=["bits"])  # fmt: skip
+
+
+def test_a_unit_that_a_mesh_declares(tmp_path):
+    """3MF in millimetres, its default."""
+    pytest.importorskip("networkx")
+    pytest.importorskip("lxml")
+    core = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
+    corners = "".join(f'<vertex x="{x}" y="{y}" z="10000"/>' for x, y in [(-9e3, -9e3), (9e3, -9e3), (0, 9e3)])
+    mesh = f'<mesh><vertices>{corners}</vertices><triangles><triangle v1="0" v2="1" v3="2"/></triangles></mesh>'
+    objects = f'<resources><object id="1">{mesh}</object></resources><build><item objectid="1"/></build>'
+    model = f'<model xmlns="{core}">{objects}</model>'
+    with zipfile.ZipFile(tmp_path / "roof.3mf", "w") as archive:
+        archive.writestr("3D/3dmodel.model", model)
+    lit, _, notes = answers(tmp_path, points=[[0, 0, 0], [50, 0, 0]], meshes=str(tmp_path / "roof.3mf"))
+    assert lit.tolist() == [False, True] and "its unit is millimeter" in notes[0]
+
+
+def test_a_file_that_is_written_again_is_read_again(tmp_path):
+    """Files stay open between studies of one process."""
+    for height, dark in ((10, True), (0, False)):
+        (tmp_path / "roof.obj").write_text(rows("v ").replace(" 10\n", f" {height}\n") + "f 1 2 4 6\n")
+        lit = answers(tmp_path, points=[[-5, -5, 5]], meshes=str(tmp_path / "roof.obj"))[0]
+        assert lit.tolist() == [not dark], height
+    for height, length in ((100, 100), (50, 50)):
+        assert shadow(tmp_path, ridge(tmp_path, height=height)) == length
+
+
+def test_a_stray_triangle_that_makes_the_lattice_coarse(tmp_path):
+    (tmp_path / "stray.obj").write_text(rows("v ") + "v 9e6 0 0\nv 9e6 1 0\nv 9e6 0 1\nf 1 2 3 4 5 6\nf 7 8 9\n")
+    notes = answers(tmp_path, points=UNDER_L, meshes=str(tmp_path / "stray.obj"))[2]
+    assert len(notes) == 1 and "stray.obj): leave out what lies far away" in notes[0]
+
+
+# ---- CityJSON ------------------------------------------------------------------------------------------------------
+
+SQUARE = [[-10, -10, 10], [10, -10, 10], [10, 10, 10], [-10, 10, 10], [50, 0, 10]]
+
+
+def surface(lod="2", **more):
+    return dict(type="MultiSurface", lod=lod, boundaries=[[[0, 1, 2, 3]]], **more)
+
+
+def city(path, *geometries, crs=None, **more):
+    """A building of these geometries over SQUARE."""
+    text = dict(type="CityJSON", version="2.0", transform=dict(scale=[1, 1, 1], translate=[0, 0, 0]), vertices=SQUARE,
+                CityObjects={"a": dict(type="Building", geometry=list(geometries) or [surface()])}, **more)  # fmt: skip
+    if crs is not None:
+        text["metadata"] = dict(referenceSystem=crs)
+    path.write_text(json.dumps(text))
+    return str(path)
+
+
+OGC = "https://www.opengis.net/def/crs/EPSG/0/"
+TREE = {"templates": [dict(type="MultiSurface", lod="3", boundaries=[[[0, 1, 2]]])],
+        "vertices-templates": [[-1, -1, 0], [1, -1, 0], [0, 1, 0]]}  # fmt: skip
+STANDS = dict(type="GeometryInstance", template=0, boundaries=[4],
+              transformationMatrix=[1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1])  # fmt: skip
+CLOSURE = dict(semantics=dict(surfaces=[dict(type="ClosureSurface")], values=[0]))
+# geometries, its CRS, the study's CRS, more: whether (0, 0, 0) and (50, 0, 0) are lit, and a part of the warning
+CITIES = {
+    "without a CRS": ((), None, None, {}, [False, True], ""),
+    "RD New in a study without a CRS": ((), OGC + "7415", None, {}, [False, True], ""),
+    "RD New with heights in a study of RD New": ((), "urn:ogc:def:crs:EPSG::7415", "EPSG:28992", {}, [False, True], ""),
+    "levels 0, 1 and 2.2": ((surface("0"), surface("1"), surface("2.2")), None, None, {}, [False, True], ""),
+    "an instance of level 3 over a solid of 1": ((surface("1"), STANDS), None, None, {"geometry-templates": TREE},
+                                                 [True, False], ""),
+    "a closure surface": ((surface(**CLOSURE),), None, None, {}, [True, True], "left out: 1 ClosureSurface"),
+    "points beside a surface": ((surface(), dict(type="MultiPoint", lod="9", boundaries=[0])), None, None, {},
+                                [False, True], ""),
+    "points alone": ((dict(type="MultiPoint", lod="2", boundaries=[0]),), None, None, {}, [True, True], "1 MultiPoint"),
+    "textures": ((surface(texture={"t": {"values": [[[0, 0, 0, 0]]]}}),), None, None, {"appearance": {}}, [False, True],
+                 ""),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", CITIES)
+def test_cityjson(tmp_path, name):
+    geometries, crs, of_study, more, lit, note = CITIES[name]
+    path = city(tmp_path / "a.city.json", *geometries, crs=crs, **more)
+    found, _, notes = answers(tmp_path, points=[[0, 0, 0], [50, 0, 0]], meshes=path, crs=of_study)
+    assert found.tolist() == lit and len(notes) == bool(note) and all(note in text for text in notes)
+
+
+def test_heights_of_a_city_in_feet(tmp_path):
+    """UTM 13N with heights in US survey feet: the roof stands in 3.05 m."""
+    path = city(tmp_path / "a.city.json", crs="EPSG:26913+6360")
+    found = answers(tmp_path, points=[[0, 0, 3.04], [0, 0, 3.05]], meshes=path)[0]
+    assert found.tolist() == [False, True]
+
+
+@pytest.mark.parametrize("crs, of_study, text", [
+    (OGC + "4979", None, "a.city.json: its reference system, WGS 84, is not a map in metres: reproject it first"),
+    (OGC + "2229", None, "California zone 5 .ftUS., is not a map in metres"),
+    (OGC + "7415", "EPSG:25832", "RD New, is not the study's, ETRS89 / UTM zone 32N: reproject it first .cjio"),
+    (OGC + "25833", "EPSG:25832", "UTM zone 33N, is not the study's"),
+    ("https://example.org/1", "EPSG:25832", "a.city.json: its reference system 'https://example.org/1'"),
+])  # fmt: skip
+def test_cities_elsewhere(tmp_path, crs, of_study, text):
+    with pytest.raises((StudyStoppedError, ValueError), match=text) as error:
+        answers(tmp_path, points=[[0, 0, 0]], meshes=city(tmp_path / "a.city.json", crs=crs), crs=of_study)
+    assert "run the same study again" not in str(error.value)
+
+
+# ---- Units of heights and grids ------------------------------------------------------------------------------------
+# A ridge of 100 units from south to north, the sun in the west at 45 degrees: the shadow is as long as it is high.
+
+FOOT, US_FOOT = 0.3048, 1200 / 3937
+AFFINE = rasterio.Affine(5, 0, 500_000, 0, -5, 4_000_000)
+
+
+def ridge(folder, unit="", crs="EPSG:26913", transform=AFFINE, height=100, name="dsm.tif", dtype="float32", scale=None,
+          count=1, columns=(0, 81), **more):  # fmt: skip
+    heights = np.zeros((11, 81), dtype)
+    heights[:, 20] = height
+    heights = heights[:, slice(*columns)]
+    place = {} if transform is None else dict(transform=transform)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of rasters without a place
+        with rasterio.open(folder / name, "w", driver="GTiff", width=heights.shape[1], height=11, count=count,
+                           dtype=dtype, crs=crs, **place, **more) as file:  # fmt: skip
+            for band in range(count):
+                file.write(heights, band + 1)
+            if unit:
+                file.units = (unit,) * count
+            if scale:
+                file.scales = (scale,) * count
+    return str(folder / name)
+
+
+def shadow(folder, raster, **settings):
+    """Metres from the crest to the last dark cell."""
+    lit = answers(folder, WEST, raster=raster, **settings)[0]
+    return 5 * (int(np.flatnonzero(~lit[5]).max(initial=20)) - 20)
+
+
+UNITS = [
+    (dict(), None, 1), (dict(unit="m"), None, 1), (dict(unit="metre"), None, 1), (dict(unit="Meters"), None, 1),
+    (dict(unit="ft"), None, FOOT), (dict(unit="feet"), None, FOOT), (dict(unit="Foot"), None, FOOT),
+    (dict(unit="US survey foot"), None, US_FOOT), (dict(unit="us-ft"), None, US_FOOT),
+    (dict(unit="ftUS"), None, US_FOOT), (dict(unit="Foot_US"), None, US_FOOT),
+    (dict(unit="cm", height=10_000), None, 0.01), (dict(unit="dm", height=1000), None, 0.1),
+    (dict(unit="mm", dtype="int32", height=100_000), None, 0.001), (dict(unit="km", height=0.1), None, 1000),
+    (dict(crs="EPSG:26913+5703"), None, 1), (dict(crs="EPSG:26913+6360"), None, US_FOOT),
+    (dict(crs="EPSG:26913+8228"), None, FOOT), (dict(), "feet", FOOT), (dict(unit="furlong"), "metre", 1),
+    (dict(dtype="int16", height=1000, scale=0.1, unit="ft"), None, FOOT / 10),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("made, named, metres", UNITS, ids=[f"{m} {n}" for m, n, _ in UNITS])
+def test_units_of_heights(tmp_path, made, named, metres):
+    length = made.get("height", 100) * metres
+    assert shadow(tmp_path, ridge(tmp_path, **made), height_unit=named) == 5 * int(length / 5 + 1e-9)
+
+
+def test_all_names_of_feet_are_known():
+    for name in ["ft", "FT", "feet", "foot", "Foot", "International Foot"]:
+        assert units.metres_of(name) == FOOT, name
+    for name in ["us-ft", "US survey foot", "US Survey Feet", "ftUS", "ft_US", "foot_us", "U.S. survey foot"]:
+        assert abs(units.metres_of(name) - US_FOOT) < 1e-15, name
+    assert units.metres_of("dm") == 0.1 and units.metres_of("degree") is None
+
+
+GRIDS = {
+    "no CRS": dict(crs=None),
+    "a site's own grid": dict(crs='LOCAL_CS["site",UNIT["metre",1]]'),
+    "web Mercator": dict(crs="EPSG:3857"),
+    "several bands": dict(count=2),
+}
+
+
+@pytest.mark.parametrize("name", GRIDS)
+def test_grids(tmp_path, name):
+    assert shadow(tmp_path, ridge(tmp_path, **GRIDS[name])) == 100
+
+
+TILES = {
+    "cells that differ by rounding": dict(transform=rasterio.Affine(5.0000000001, 0, 500_205, 0, -5, 4_000_000)),
+    "the same zone as a PROJ string": dict(crs="+proj=utm +zone=13 +datum=NAD83 +units=m"),
+    "with a vertical CRS": dict(crs="EPSG:26913+5703"),
+}
+
+
+@pytest.mark.parametrize("name", TILES)
+def test_tiles_of_one_product(tmp_path, name):
+    more = dict(transform=rasterio.Affine(5, 0, 500_205, 0, -5, 4_000_000)) | TILES[name]
+    tiles = [ridge(tmp_path, name="a.tif", columns=(0, 41)), ridge(tmp_path, name="b.tif", columns=(41, 81), **more)]
+    assert shadow(tmp_path, tiles) == 100
+
+
+REFUSED = {
+    "degrees": (dict(crs="EPSG:4326", transform=rasterio.Affine(5e-5, 0, 11, 0, -5e-5, 48)),
+                "dsm.tif: its coordinates are degrees .WGS 84., not metres on a map: warp it .* .rio warp"),
+    "feet": (dict(crs="EPSG:2229"), "not metres on a map but US survey foot .NAD83.*: warp it .* height_unit="),
+    "a site's grid in feet": (dict(crs='LOCAL_CS["site",UNIT["foot",0.3048]]'), "not metres on a map but foot"),
+    "an unknown unit": (dict(unit="furlong"), "dsm.tif: its heights are in \"furlong\".*give height_unit="),
+    "depths": (dict(crs="EPSG:26913+5715"), "points down, and a study needs heights"),
+    "no place": (dict(crs=None, transform=None), "has no place on a map .no geotransform.*rio edit-info"),
+    "south up": (dict(transform=rasterio.Affine(5, 0, 500_000, 0, 5, 4_000_000)), "not north up .*rio warp"),
+    "rotated": (dict(transform=AFFINE * rasterio.Affine.rotation(10)), "is rotated .*rio warp"),
+    "colours": (dict(count=3, dtype="uint8", photometric="RGB"), "is no band of heights .red, uint8; 3 in all"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_grids_that_are_refused(tmp_path, name):
+    made, text = REFUSED[name]
+    with pytest.raises(ValueError, match=text):
+        shadow(tmp_path, ridge(tmp_path, **made))
+
+
+@pytest.mark.parametrize("more, text", [
+    (dict(crs="EPSG:26914"), "b.tif: its CRS .NAD83 / UTM zone 14N. is not that of .*a.tif .NAD83 / UTM zone 13N."),
+    (dict(transform=rasterio.Affine(5, 0, 500_206.3, 0, -5, 4_000_000)), "b.tif: its grid .cells of 5.0 x 5.0, from"),
+    (dict(transform=rasterio.Affine(5.01, 0, 500_205, 0, -5, 4_000_000)), "b.tif: its grid .cells of 5.01 x 5.0"),
+])  # fmt: skip
+def test_tiles_that_do_not_fit(tmp_path, more, text):
+    more = dict(transform=rasterio.Affine(5, 0, 500_205, 0, -5, 4_000_000)) | more
+    tiles = [ridge(tmp_path, name="a.tif", columns=(0, 41)), ridge(tmp_path, name="b.tif", columns=(41, 81), **more)]
+    with pytest.raises(ValueError, match=text):
+        shadow(tmp_path, tiles)
+
+
+# ---- A map metre against a true metre ------------------------------------------------------------------------------
+# The shadow of a wall of 100 m at 60 degrees north, measured on the ellipsoid: it is as long on every map.
+
+MAPS = ["EPSG:32632", "EPSG:3857", "EPSG:3035", "EPSG:6933", "EPSG:3395", "EPSG:27700", "EPSG:2154", "EPSG:32661",
+        "+proj=laea +lat_0=60 +lon_0=9", "+proj=sinu", "+proj=eqc +lat_ts=30"]  # fmt: skip
+
+
+@pytest.mark.parametrize("crs", MAPS)
+def test_directions_on_the_map(crs):
+    """A sun at azimuth a and elevation e: the end of its shadow on the ground, walked on the ellipsoid, is where the
+    direction on the map leads."""
+    from gnomon.studies import suns
+
+    place = suns._Map(crs)
+    longitude, latitude = 9.0, 60.0
+    x, y = pyproj.Transformer.from_crs("EPSG:4326", crs, always_xy=True).transform(longitude, latitude)
+    geod, projection = pyproj.CRS(crs).get_geod(), pyproj.Proj(crs)
+    own = projection(x, y, inverse=True)
+    for azimuth in range(0, 360, 30):
+        towards = suns._on_map(np.array([float(azimuth)]), np.array([20.0]), place.jacobian(x, y))[0]
+        length = 100 / np.tan(np.radians(20))
+        end = np.array(projection(*geod.fwd(*own, azimuth + 180, length)[:2])) - [x, y]
+        assert np.abs(end + towards[:2] / towards[2] * 100).max() < 0.03, azimuth

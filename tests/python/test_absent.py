@@ -1,0 +1,163 @@
+# SPDX-License-Identifier: MIT
+"""Every carrier of *no data* of arrays: it is absent, or an error with the first row; never a place or a triangle."""
+
+import decimal
+
+import gnomon
+import numpy as np
+import pytest
+from processes import DOWN, ROOF
+
+NAN = float("nan")
+LARGEST = float(np.finfo(np.float32).max)
+
+
+def masked(rows, dtype=np.float64):
+    """The rows, with NaN masked over a value that looks like ground."""
+    values = np.array(rows, float)
+    return np.ma.MaskedArray(np.nan_to_num(values, nan=0).astype(dtype), np.isnan(values))
+
+
+def pandas_table(dtype):
+    def table(rows):
+        pandas = pytest.importorskip("pandas")
+        return pandas.DataFrame(rows, columns=list("xyz")).astype(dtype)
+
+    return table
+
+
+def objects(absent):
+    return lambda rows: np.array([[absent if np.isnan(n) else n for n in row] for row in rows], object)
+
+
+def data_array(key):
+    def made(rows):
+        xarray = pytest.importorskip("xarray")
+        return xarray.DataArray(np.nan_to_num(np.array(rows), nan=-9999), dims=("point", "axis"), attrs={key: -9999.0})
+
+    return made
+
+
+def na(rows):
+    return objects(pytest.importorskip("pandas").NA)(rows)
+
+
+#: Makes an array of rows, in which NaN stands for what is absent, in the way that a package says so.
+CARRIERS = {
+    "NaN": lambda rows: np.array(rows),
+    "NaN in float32": lambda rows: np.array(rows, np.float32),
+    "NaN in float16": lambda rows: np.array(rows, np.float16),
+    "infinity": lambda rows: np.where(np.isnan(rows), np.inf, rows),
+    "minus infinity": lambda rows: np.where(np.isnan(rows), -np.inf, rows),
+    "a masked array": masked,
+    "a masked array of float32": lambda rows: masked(rows, np.float32),
+    "a masked array of integers": lambda rows: masked(rows, np.int16),
+    "a hard mask": lambda rows: (lambda m: (m.harden_mask(), m)[1])(masked(rows)),
+    "a list of masked rows": lambda rows: list(masked(rows)),
+    "masked_values": lambda rows: np.ma.masked_values(np.nan_to_num(rows, nan=-9999), -9999),
+    "None in a list": lambda rows: [[None if np.isnan(n) else n for n in row] for row in rows],
+    "None in an array of objects": objects(None),
+    "pandas.NA": na,
+    "a decimal NaN": objects(decimal.Decimal("NaN")),
+    "a table of float64": pandas_table("float64"),
+    "a table of Float64": pandas_table("Float64"),
+    "a table of Float32": pandas_table("Float32"),
+    "a table of Int64": pandas_table("Int64"),
+    "a DataArray, _FillValue": data_array("_FillValue"),
+    "a DataArray, missing_value": data_array("missing_value"),
+    "a DataArray, nodata": data_array("nodata"),
+}
+#: Values that mean no data, and are numbers: nobody declares them, so they are errors.
+NUMBERS = {
+    "-FLT_MAX": -LARGEST,
+    "FLT_MAX": LARGEST,
+    "-DBL_MAX": -float(np.finfo(np.float64).max),
+    "DBL_MAX": float(np.finfo(np.float64).max),
+    "netCDF's": 9.969209968386869e36,
+    "Surfer's": 1.70141e38,
+}
+ROWS = [[0.0, 0, 0], [5, 0, NAN], [5, 0, 0]]
+
+
+@pytest.fixture(scope="module")
+def scene():
+    return gnomon.Scene(ROOF)
+
+
+@pytest.mark.parametrize("carrier", CARRIERS)
+def test_points(scene, carrier):
+    points = CARRIERS[carrier](ROWS)
+    answer = scene.lit(points, direction=DOWN, nan="absent")
+    assert np.ma.getmaskarray(answer).tolist() == [False, True, False]
+    assert answer.filled().tolist() == [False, False, True]
+    with pytest.raises(ValueError, match="points: row 1 .*not finite, or is masked"):
+        scene.lit(points, direction=DOWN)
+    with pytest.raises(ValueError, match="points: row 1 .*not finite, or is masked"):
+        scene.lit_by(points, gnomon.Lights.directions([DOWN]))
+
+
+@pytest.mark.parametrize("carrier", CARRIERS)
+def test_vertices(carrier):
+    """The third vertex of the second triangle is absent."""
+    rows = [[0.0, 0, 2], [1, 0, 2], [1, 1, 2], [0, 1, NAN]]
+    with pytest.raises(ValueError, match="vertices: row 3 .*not finite, or is masked"):
+        gnomon.Scene(CARRIERS[carrier](rows), [[0, 1, 2], [0, 2, 3]])
+
+
+@pytest.mark.parametrize("carrier", CARRIERS)
+def test_what_goes_with_points(scene, carrier):
+    rows = CARRIERS[carrier](ROWS)
+    at = np.array([[0.0, 0, 0]] * 3)
+    with pytest.raises(ValueError, match="normals: row 1"):
+        scene.lit(at, direction=DOWN, side=gnomon.Side.normals(rows))
+    for lights in (gnomon.Lights.directions(rows), gnomon.Lights.positions(rows)):
+        with pytest.raises(ValueError, match="row 1"):
+            scene.lit_by(at, lights)
+    with pytest.raises(ValueError, match="weights: row 1 nan"):
+        scene.lit_by(at, gnomon.Lights.directions([DOWN] * 3, np.ma.MaskedArray([1.0, 2, 3], [0, 1, 0])))
+
+
+@pytest.mark.parametrize("carrier", ["a masked array", "None in a list", "pandas.NA", "a list of masked rows"])
+def test_a_light(scene, carrier):
+    light = CARRIERS[carrier]([[0, NAN, -1]])[0]
+    with pytest.raises(ValueError, match="direction:"):
+        scene.lit([[0.0, 0, 0]], direction=light)
+    with pytest.raises(ValueError, match="position:"):
+        scene.lit([[0.0, 0, 0]], position=light)
+
+
+@pytest.mark.parametrize("nan", ["error", "absent"])
+@pytest.mark.parametrize("number", NUMBERS)
+def test_numbers_that_mean_no_data(scene, number, nan):
+    rows = np.nan_to_num(np.array(ROWS), nan=NUMBERS[number])
+    for values in [rows, rows.astype(np.float32)] if abs(NUMBERS[number]) <= LARGEST else [rows]:
+        with pytest.raises(ValueError, match="points: row 1 .* stands for no data"):
+            scene.lit(values, direction=DOWN, nan=nan)
+        for arguments in ((values, [[0, 1, 2]]), (values[None],)):
+            with pytest.raises(ValueError, match="vertices: row 1 .* stands for no data"):
+                gnomon.Scene(*arguments)
+
+
+def test_large_places_are_places(scene):
+    points = np.float32([[0, 0, -1e37], [1e37, 0, 0], [-3e38, 0, 0]])
+    assert scene.lit(points, direction=DOWN).tolist() == [False, True, True]
+
+
+def test_integers():
+    pandas = pytest.importorskip("pandas")
+    vertices = ROOF.reshape(-1, 3)
+    faces = np.arange(6).reshape(2, 3)
+    for absent in (
+        np.ma.MaskedArray(faces, [[0, 0, 0], [0, 1, 0]]),
+        pandas.DataFrame(faces).astype("Int64").mask(np.array([[0, 0, 0], [0, 1, 0]], bool)),
+        [[0, 1, 2], [3, None, 5]],
+    ):
+        with pytest.raises(ValueError, match="faces: row 1 is masked or has no value"):
+            gnomon.Scene(vertices, absent)
+    assert len(gnomon.Scene(vertices, pandas.DataFrame(faces).astype("Int64"))) == 2
+    scene = gnomon.Scene(vertices, faces)
+    receivers = np.ma.MaskedArray([0, 1], [False, True])
+    at = np.array([[0.5, 0, 2], [0.5, 0, 0]])  # the second point lies under the roof, and on no triangle
+    assert scene.lit(at, direction=DOWN, receivers=receivers).tolist() == [True, False]
+    with pytest.raises(ValueError, match="receivers: row 1 is masked or has no value"):
+        scene.lit(at, direction=DOWN, receivers=[0, None])

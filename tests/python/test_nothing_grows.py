@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: MIT
+"""Nothing grows: each public operation, repeated; memory, threads, file handles and device memory stay the same after the
+first rounds. Beside them stand bare OpenCL calls, which tell what the driver itself keeps.
+
+GNOMON_ROUNDS=1000 repeats each a thousand times."""
+
+import json
+import os
+
+import pytest
+from processes import run
+
+ROUNDS = int(os.environ.get("GNOMON_ROUNDS", "30"))
+
+PROGRAM = """
+import gc, json, os, sys, copy, pickle, threading
+import numpy as np
+import gnomon
+from processes import *
+table = gnomon.Lights.directions(np.random.default_rng(0).normal(size=(40, 3)))
+scene = gnomon.Scene(ROOF)
+many = np.tile(POINTS, (2_000, 1))
+name = gnomon.use().description.selector
+device = gnomon.use()
+{setup}
+def operation(i):
+    {operation}
+def used():
+    gc.collect()
+    pages = int(open('/proc/self/statm').read().split()[1])
+    return pages * os.sysconf('SC_PAGE_SIZE'), len(os.listdir('/proc/self/task')), len(os.listdir('/proc/self/fd')), device.memory_bytes
+first = None
+for i in range({rounds}):
+    operation(i)
+    if i == {warm}: first = used()
+last = used()
+print(json.dumps([b - a for a, b in zip(first, last)]))
+"""
+QUEUE = "import pyopencl as cl, pyopencl.array; context = cl.create_some_context(interactive=False)\n"
+
+OPERATIONS = {
+    "a scene, opened and closed": ("", "with gnomon.Scene(ROOF) as s: answer(s)"),
+    "a scene, dropped": ("", "answer()"),
+    "a scene in a cycle": ("", "s = gnomon.Scene(ROOF); s.self = s; answer(s); del s; gc.collect()"),
+    "a large scene": ("big = np.random.default_rng(0).random((40_000, 3, 3), np.float32)",
+                      "gnomon.Scene(big).lit(POINTS, direction=DOWN)"),
+    "a scene on a lattice": ("", "gnomon.Scene(ROOF + 0.1, lattice=2**-10).lit(POINTS, direction=DOWN)"),
+    "points": ("", "scene.lit(many, direction=(0.1, 0.01 * i, -1))"),
+    "many lights": ("", "scene.lit_by(many, table, bits=True)"),
+    "a prepared light": ("", "scene.prepare(direction=(0.1, 0.01 * i, -1)); scene.lit(many, direction=(0.1, 0.01 * i, -1))"),
+    "vertices": ("", "scene.lit(np.unique(ROOF.reshape(-1, 3), axis=0), direction=DOWN, side=gnomon.Side.vertices())"),
+    "a view": ("", "scene.view((0, 0, 9), (0, 0, 0), up=(0, 1, 0), size=(64, 48)).image(direction=DOWN, samples=4)"),
+    "a technique": ("", "scene.visibility(POINTS, direction=DOWN, technique='pcf')"),
+    "a technique with other settings": (
+        "", "scene.visibility(POINTS, direction=DOWN, technique=gnomon.Technique('pcf', {'size': 64 + 8 * (i % 20)}))"),
+    "lights with other settings": (
+        "", "scene.lit_by(POINTS, table, settings={'conservative-map': ['on', 'off', 'auto'][i % 3]})"),
+    "a device by name": ("", "answer(gnomon.Scene(ROOF, device=name))"),
+    "use()": ("", "gnomon.use(); answer()"),
+    "use() with a limit": ("", "gnomon.use(memory_limit_bytes=100_000_000 + i); answer()"),
+    "a queue of the caller's": (
+        QUEUE, "q = cl.CommandQueue(context); gnomon.Scene(cl.array.to_device(q, ROOF.astype(np.float32))).lit("
+               "cl.array.to_device(q, POINTS.astype(np.float32)), direction=DOWN).get()"),
+    "a scene for many queues": (
+        QUEUE, "q = cl.CommandQueue(context); scene.lit(cl.array.to_device(q, POINTS.astype(np.float32)),"
+               " direction=DOWN).get()"),
+    "arrays of one queue": (
+        QUEUE + "q = cl.CommandQueue(context)\n",
+        "gnomon.Scene(cl.array.to_device(q, ROOF.astype(np.float32))).lit("
+        "cl.array.to_device(q, POINTS.astype(np.float32)), direction=DOWN).get()"),
+    "devices()": ("", "gnomon.devices()"),
+    "copies and pickles": ("", "answer(copy.deepcopy(scene)); answer(pickle.loads(pickle.dumps(scene)))"),
+    "errors": ("", "for bad in ([[0, 0, np.nan]], 'x', [[1e300, 0, 0]]):\n        try: scene.lit(bad, direction=DOWN)\n"
+                   "        except ValueError: pass"),
+    "a thread's calls": ("", "t = threading.Thread(target=answer, args=(scene,)); t.start(); t.join()"),
+    "a study": (
+        "import sys; sys.path[:0] = [os.path.join(os.path.dirname(sys.modules['processes'].__file__), 'study')]\n"
+        "from made import *\nfrom gnomon import studies\nimport tempfile; folder = tempfile.mkdtemp()\n"
+        "write_raster(folder + '/d.tif', city(24)); write_suns(folder + '/s.csv', [(180, 40)])\n",
+        "studies.study(folder + '/study', raster=folder + '/d.tif', directions=folder + '/s.csv', outputs=['bits'],"
+        " restart=True)"),
+}  # fmt: skip
+BARE = {
+    "bare OpenCL: a context and a queue": (QUEUE, "cl.CommandQueue(cl.create_some_context(interactive=False)).finish()"),
+    "bare OpenCL: a queue": (QUEUE, "q = cl.CommandQueue(context); q.finish()"),
+    "bare OpenCL: a buffer": (QUEUE + "q = cl.CommandQueue(context)", "cl.array.to_device(q, many).get()"),
+    "bare OpenCL: a program": (
+        QUEUE + "q = cl.CommandQueue(context)",
+        "cl.Program(context, 'kernel void f(global float* x) { x[0] = 1; }').build()"
+        ".f(q, (1,), None, cl.Buffer(context, cl.mem_flags.READ_WRITE, 16)); q.finish()"),
+}  # fmt: skip
+
+
+def growth(setup, operation, rounds=ROUNDS):
+    warm = max(10, rounds // 10)
+    code = PROGRAM.format(setup=setup, operation=operation, rounds=rounds, warm=warm)
+    done = run(code, timeout=600)
+    assert done.returncode == 0, done.stderr
+    memory, threads, files, on_device = json.loads(done.stdout.splitlines()[-1])
+    return memory / (rounds - warm - 1), threads, files, on_device
+
+
+#: Bytes that a round may add: pages that the allocator has not given back, over the rounds.
+LIMIT = 200_000
+#: Where a round opens a device, 70 to 360 kB stay in the process with PoCL 3.1, though as many contexts, queues,
+#: buffers, programs, kernels and events were released as were made (counted once by a library before OpenCL's). A device
+#: that is kept takes 11 MB and a thread.
+LIMIT_WITH_DEVICE = 600_000
+
+
+@pytest.mark.parametrize("member", [*BARE, *OPERATIONS])
+def test_nothing_grows(member):
+    setup, operation = {**BARE, **OPERATIONS}[member]
+    if "pyopencl" in setup:
+        pytest.importorskip("pyopencl")
+    if member == "a study":
+        pytest.importorskip("rasterio")
+    memory, threads, files, on_device = growth(setup, operation)
+    opens_device = any(word in member for word in ("device by name", "use()", "queue"))
+    assert (threads, files, on_device) == (0, 0, 0)
+    assert memory < (LIMIT_WITH_DEVICE if opens_device else LIMIT) * max(1, 30 / ROUNDS)
