@@ -42,7 +42,7 @@ endmacro()
 # The ground: OpenCL, and what implements gnomon.hpp.
 gnomon_wing(cl description embedded_files environment forks opencl program session)
 gnomon_wing(simd frame_counters lanes points point_blocks projection triangle_blocks)
-gnomon_wing(exact wide soft_double accumulator det3 det3_lanes blocks cut_outs cut_outs_exact decide_pair normal_side predicates self_check)
+gnomon_wing(exact wide soft_double accumulator det3 det3_lanes blocks cut_outs cut_outs_exact decide_pair normal_side predicates small_cases self_check)
 gnomon_wing(lists append fill group_scan scan shares sort morton whole_to_float)
 gnomon_wing(query device errors inputs light_and_camera parts settings_table statistics variants
             library faults regressions leaves waits)

@@ -21,7 +21,8 @@ constexpr int smallest_exponent = -100, largest_exponent = 100;
 /// floor(steps + 1/2), without the rounding of that sum. |steps| is below 2^52.
 double rounded_up_at_half(double steps) {
     const double below = std::floor(steps);
-    return steps - below >= 0.5 ? below + 1 : below;  // the difference is exact: both have the ulp of `steps`
+    // The difference is exact, but above -1/2 step, where it rounds to no less than 1/2 (tests/proofs/lattice.g).
+    return steps - below >= 0.5 ? below + 1 : below;
 }
 
 std::string text_of(const double* p) {

@@ -12,6 +12,15 @@ static Triangle triangle_over_ground(const HeightField field, __global const flo
     return (Triangle){over_ground(field.axis, t.a), over_ground(field.axis, t.b), over_ground(field.axis, t.c)};
 }
 
+// Twice the area of a triangle with the edges e and f over the ground; *bound is more than its error
+// (tests/proofs/winding.v).
+static float area_over_ground(float3 e, float3 f, float* bound) {
+    float left = e.x * f.y, right = e.y * f.x;
+    float sizes = 1.0f + fabs(e.x) + fabs(e.y) + fabs(f.x) + fabs(f.y);
+    *bound = 0x1p-20f * (fabs(left) + fabs(right)) + 0x1p-110f * sizes;
+    return left - right;
+}
+
 // Sets bit k if some triangle, seen against axis k, is not certainly counter-clockwise, bit 3 + k if not certainly
 // clockwise.
 __kernel void field_windings(const TrianglesLayout layout, __global const float* vertices, __global uint* found) {
@@ -20,9 +29,7 @@ __kernel void field_windings(const TrianglesLayout layout, __global const float*
         Triangle t = load_triangle(vertices + layout.first_float, i);
         for (uint axis = 0u; axis < 3u; ++axis) {
             float3 e = over_ground(axis, t.b - t.a), f = over_ground(axis, t.c - t.a);
-            float left = e.x * f.y, right = e.y * f.x;
-            // The area rounds four times, relative to the size of the products.
-            float area = left - right, bound = 0x1p-20f * (fabs(left) + fabs(right)) + 0x1p-100f;
+            float bound, area = area_over_ground(e, f, &bound);
             if (!(area > bound)) bits |= 1u << axis;
             if (!(area < -bound)) bits |= 8u << axis;
         }

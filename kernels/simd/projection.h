@@ -23,9 +23,10 @@
 // PROJECTION_ERROR = 10u, which also covers second-order terms and the rounding of g itself. A camera's rows come from
 // products and sums in double, whose error is relative to the row's largest entry, not to each: 2^-20 |row|_1 |d|_1 is
 // added to g for it (10u 2^-20 = 5.7e-13, thousands of double roundings).
-// Underflow: a product or sum below 2^-126 errs by up to 2^-150 (2^-126 times the row where denormals are flushed),
-// whatever its size. PROJECTION_UNDERFLOW is above that for rows up to 2^36: a vertex that near to a point light or an
-// eye does not count as certainly in front of it.
+// Underflow: a product or sum below 2^-126 errs by up to 2^-150, whatever its size; where denormals are flushed, each
+// d_i by up to 4 2^-126, times the row. PROJECTION_UNDERFLOW is above that for rows up to 2^32
+// (tests/proofs/projection.v): a vertex that near to a point light or an eye does not count as certainly in front of
+// it.
 #pragma once
 
 #include "prelude.h"

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: MIT
+// Every small case of the visibility contract: all triangles and points with coordinates 0, 1 and 2, all directional
+// lights with coordinates from -2 to 2, and all point lights at coordinates 0, 1 and 2. So every degenerate pattern of
+// signs is there, not a sample of them. The kernels' float filter and exact path answer; small integers know better.
+//
+// On such numbers all determinants are exact in float. So the cases are asked again under affine maps, which change no
+// answer: the products round, in float and in double, and meet the filters' bounds.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+#include <vector>
+
+#include "query/inputs.hpp"
+#include "reference/parallel.hpp"
+
+namespace {
+
+constexpr const char* KERNELS = "small_cases_test.cl";
+constexpr std::uint32_t GRID = 27, TRIANGLES = GRID * GRID * GRID;
+
+using Vector = std::array<int, 3>;
+
+Vector operator-(Vector a, Vector b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+
+Vector grid_point(std::uint32_t i) {
+    return {static_cast<int>(i % 3), static_cast<int>(i / 3 % 3), static_cast<int>(i / 9)};
+}
+
+int sign_of_det(Vector u, Vector v, Vector w) {
+    const int det =
+        u[0] * (v[1] * w[2] - v[2] * w[1]) + u[1] * (v[2] * w[0] - v[0] * w[2]) + u[2] * (v[0] * w[1] - v[1] * w[0]);
+    return (det > 0) - (det < 0);
+}
+
+struct Light {
+    Vector at;
+    bool is_position;
+};
+
+std::vector<Light> all_lights() {
+    std::vector<Light> lights;
+    for (int i = 0; i < 125; ++i)
+        if (i != 62) lights.push_back({{i % 5 - 2, i / 5 % 5 - 2, i / 25 - 2}, false});
+    for (std::uint32_t i = 0; i < GRID; ++i) lights.push_back({grid_point(i), true});
+    return lights;
+}
+
+/// The contract (docs/numerics.md, 1) in integers.
+bool is_blocked(Vector a, Vector b, Vector c, Vector p, const Light& light) {
+    const Vector d = light.is_position ? light.at - p : light.at;
+    const int s = sign_of_det(b - a, c - a, d);
+    if (s == 0 || sign_of_det(b - a, c - a, a - p) != s) return false;
+    if (light.is_position && sign_of_det(b - a, c - a, a - light.at) != -s) return false;
+    return s * sign_of_det(a - p, b - p, d) >= 0 && s * sign_of_det(b - p, c - p, d) >= 0 &&
+           s * sign_of_det(c - p, a - p, d) >= 0;
+}
+
+/// For each triangle and light the blocked points, one bit each.
+std::vector<std::uint32_t> expected(const std::vector<Light>& lights) {
+    std::vector<std::uint32_t> masks(TRIANGLES * lights.size());
+    reference::for_chunks(masks.size(), 4096, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i) {
+            const auto id = static_cast<std::uint32_t>(i / lights.size());
+            const Vector a = grid_point(id % GRID), b = grid_point(id / GRID % GRID), c = grid_point(id / GRID / GRID);
+            for (std::uint32_t p = 0; p < GRID; ++p)
+                if (is_blocked(a, b, c, grid_point(p), lights[i % lights.size()])) masks[i] |= 1u << p;
+        }
+    });
+    return masks;
+}
+
+/// x -> scale (matrix x + shift), exactly.
+struct Map {
+    std::array<Vector, 3> matrix;
+    Vector shift;
+    float scale;
+
+    std::array<float, 3> apply(Vector x, bool is_direction) const {
+        std::array<float, 3> y{};
+        for (std::size_t i = 0; i < 3; ++i) {
+            const Vector& row = matrix[i];
+            const int whole = row[0] * x[0] + row[1] * x[1] + row[2] * x[2] + (is_direction ? 0 : shift[i]);
+            y[i] = static_cast<float>(whole) * scale;
+        }
+        return y;
+    }
+};
+
+/// Counts of the pairs that float, double and integers decided.
+using Levels = std::array<std::uint32_t, 3>;
+
+struct Answers {
+    std::vector<std::uint32_t> masks;
+    Levels levels{};
+};
+
+Answers answers_of(const Map& map, const std::vector<Light>& lights, bool hide_fp64) {
+    gnomon::Device device({}, {.hide_fp64 = hide_fp64});
+    gnomon::cl::Session& session = session_of(device);
+    std::ifstream stream(GNOMON_TESTS "/exact/predicates/small_cases.cl");
+    std::ostringstream text;
+    text << stream.rdbuf();
+    session.add_source(KERNELS, text.str());
+
+    const auto upload = [&](const auto& values) {
+        gnomon::cl::Buffer buffer(session, values.size() * sizeof(values[0]));
+        session.write(buffer.get(), values.data(), values.size() * sizeof(values[0]));
+        return buffer;
+    };
+    std::vector<float> grid, vertices, positions;
+    for (std::uint32_t i = 0; i < GRID; ++i)
+        for (const float x : map.apply(grid_point(i), false)) grid.push_back(x);
+    for (std::uint32_t i = 0; i < TRIANGLES; ++i)
+        for (const std::uint32_t corner : {i % GRID, i / GRID % GRID, i / GRID / GRID})
+            vertices.insert(vertices.end(), grid.begin() + 3 * corner, grid.begin() + 3 * corner + 3);
+    for (const Light& light : lights) {
+        for (const float x : map.apply(light.at, !light.is_position)) positions.push_back(x);
+        positions.push_back(light.is_position ? 1.0f : 0.0f);
+    }
+    Answers answers;
+    answers.masks.resize(TRIANGLES * lights.size());
+    const auto count = static_cast<cl_uint>(answers.masks.size()), light_count = static_cast<cl_uint>(lights.size());
+    const gnomon::cl::Buffer on_grid = upload(grid), of_triangles = upload(vertices), of_lights = upload(positions),
+                             masks(session, count * sizeof(cl_uint)), levels = upload(Levels{});
+    session.launch(KERNELS, "blocked_points", gnomon::cl::Range::items(count), light_count, cl_uint{0}, count, on_grid,
+                   of_triangles, of_lights, masks, levels);
+    session.read(masks.get(), answers.masks.data(), count * sizeof(cl_uint));
+    session.read(levels.get(), answers.levels.data(), sizeof(Levels));
+    return answers;
+}
+
+const Map SAME{{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, {0, 0, 0}, 1.0f};
+/// Odd entries up to 2^20: coordinates of 23 bits, differences just below the 2^20 up to which the float level is used.
+const Map ROUNDED{{{{1048575, -786433, 524289}, {-699051, 917503, 1000003}, {838861, 1047553, -611669}}},
+                  {999983, -655361, 786431},
+                  0.125f};
+
+class SmallCases : public testing::Test {
+protected:
+    static void judge(const Answers& answers) {
+        static const std::vector<std::uint32_t> right = expected(all_lights());
+        std::size_t wrong = 0, first = 0, blocked = 0;
+        for (std::size_t i = right.size(); i-- > 0;) {
+            if (answers.masks[i] != right[i]) ++wrong, first = i;
+            blocked += right[i] != 0;
+        }
+        const std::size_t lights = all_lights().size();
+        EXPECT_EQ(wrong, 0u) << "first: triangle " << first / lights << ", light " << first % lights << ": points "
+                             << std::hex << answers.masks[first] << ", must be " << right[first];
+        EXPECT_GT(blocked, right.size() / 100);
+        std::cout << "float, double and integers decided " << answers.levels[0] << ", " << answers.levels[1] << " and "
+                  << answers.levels[2] << " pairs\n";
+    }
+};
+
+TEST_F(SmallCases, EqualIntegers) { judge(answers_of(SAME, all_lights(), false)); }
+
+TEST_F(SmallCases, EqualIntegersUnderAnAffineMap) {
+    const Answers answers = answers_of(ROUNDED, all_lights(), false);
+    judge(answers);
+    EXPECT_GT(answers.levels[0], 0u);
+    EXPECT_GT(answers.levels[2], 0u);
+}
+
+}  // namespace

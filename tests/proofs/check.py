@@ -1,0 +1,94 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Checks the proofs with Coq and Gappa, and prints for each the least constant that it yields beside the kernel's.
+
+usage: check.py coq FOLDER | gappa      FOLDER: for Coq's files. Exit status 77: there is no such prover here.
+
+Fails where a prover does not accept a proof; where the kernel's constant is below the least or more than twice as large,
+unless the proof says `loose: WHY`; where a proof assumes more than the axioms of the reals.
+"""
+import concurrent.futures
+import re
+import shutil
+import subprocess
+import sys
+from fractions import Fraction
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+LEMMAS = ["Roundings", "Devices", "Filters"]
+AXIOMS = {"ClassicalDedekindReals.sig_not_dec", "ClassicalDedekindReals.sig_forall_dec",
+          "FunctionalExtensionality.functional_extensionality_dep", "Classical_Prop.classic"}
+AT_MOST_TIMES = 2
+
+
+def coqc(name, folder):
+    """The messages of a proof in a copy in `folder`; None if Coq refuses it."""
+    made = subprocess.run(["coqc", "-q", f"{name}.v"], cwd=folder, capture_output=True, text=True)
+    if made.returncode != 0:
+        print(f"{name}: Coq refuses it\n{made.stdout}{made.stderr}")
+        return None
+    return made.stdout
+
+
+def is_tight(name, what, least, kernel, text):
+    ratio = kernel / least
+    loose = re.search(r"loose: ([^\n]*)", text)
+    print(f"{name:16} {what:10} least {float(least):.5g}, kernel's {float(kernel):.5g}: {float(ratio):.4g} times"
+          + (f" ({loose.group(1).rstrip(' *)')})" if loose and ratio > AT_MOST_TIMES else ""))
+    return ratio >= 1 and (ratio <= AT_MOST_TIMES or loose is not None)
+
+
+def check_coq(name, folder):
+    messages = coqc(name, folder)
+    if messages is None:
+        return False
+    text = (HERE / f"{name}.v").read_text()
+    good = "Print Assumptions" in text
+    if not good:
+        print(f"{name} does not print what it assumes")
+    assumed = set(re.findall(r"^(\w[\w.]*) ?(?::|$)", messages.split("Axioms:", 1)[-1], re.M)) - {"constants", "rests"}
+    if not assumed <= AXIOMS or "Axioms:" not in messages:
+        print(f"{name} assumes {sorted(assumed - AXIOMS)}")
+        good = False
+    found = re.findall(r"(constants|rests) =\s+\((\d+)%Z,\s+(\d+)%Z,\s+(\d+)%Z,\s+(\d+)%Z\)", messages)
+    if not found:
+        print(f"{name} names no constants")
+    for what, *numbers in found:
+        a, b, c, d = map(int, numbers)
+        good &= is_tight(name, what[:-1], Fraction(a, b), Fraction(c, d), text)
+    return good and bool(found)
+
+
+def run_coq(folder):
+    if not shutil.which("coqc"):
+        print("NOT TESTED: there is no Coq here (Debian packages coq, libcoq-flocq)")
+        return 77
+    folder.mkdir(parents=True, exist_ok=True)
+    for proof in HERE.glob("*.v"):
+        shutil.copy(proof, folder)
+    if any(coqc(name, folder) is None for name in LEMMAS):
+        return 1
+    names = sorted(p.stem for p in HERE.glob("*.v") if p.stem not in LEMMAS)
+    with concurrent.futures.ThreadPoolExecutor(2) as pool:
+        results = list(pool.map(lambda name: check_coq(name, folder), names))
+    return 0 if results and all(results) else 1
+
+
+def run_gappa():
+    if not shutil.which("gappa"):
+        print("NOT TESTED: there is no Gappa here (Debian package gappa)")
+        return 77
+    good = bool(list(HERE.glob("*.g")))
+    for proof in sorted(HERE.glob("*.g")):
+        made = subprocess.run(["gappa", str(proof)], capture_output=True, text=True)
+        if made.returncode != 0 or "error" in made.stderr.lower():
+            print(f"{proof.name}: Gappa refuses it\n{made.stdout}{made.stderr}")
+            good = False
+        else:
+            print(f"{proof.name}: proved")
+    return 0 if good else 1
+
+
+if __name__ == "__main__":
+    sys.exit(run_coq(Path(sys.argv[2])) if sys.argv[1] == "coq" else run_gappa())

@@ -1,0 +1,45 @@
+#!/bin/bash
+# SPDX-License-Identifier: MIT
+# Plants faults in copies of the kernels and sees that the proofs notice.
+# usage: faults.sh KERNELS
+set -euo pipefail
+kernels=$1 proofs=$(dirname "$(realpath "$0")")
+command -v clang-14 >/dev/null || { echo "NOT TESTED: there is no clang-14 here"; exit 77; }
+made=$(mktemp -d)
+trap 'rm -rf "$made"' EXIT
+
+# noticed FILE SED-EXPRESSION PROOF: the proof's expressions are no longer the kernel's.
+noticed() {
+    rm -rf "$made/kernels"
+    cp -r "$kernels" "$made/kernels"
+    sed -i "$2" "$made/kernels/$1"
+    ! cmp -s "$kernels/$1" "$made/kernels/$1" || { echo "$1 has nothing that '$2' changes"; exit 1; }
+    if GNOMON_KERNELS_DIR=$made/kernels "$proofs/expressions.py" "$proofs/$3" >"$made/said" 2>&1; then
+        echo "$3 does not notice '$2' in $1"
+        exit 1
+    fi
+    grep -q 'does not prove what the kernels' "$made/said" || { cat "$made/said"; exit 1; }
+}
+# refused: Coq refuses what the proof makes of the kernel that noticed() has just changed.
+refused() {
+    command -v coqc >/dev/null || return 0
+    rm -rf "$made/proofs"
+    cp -r "$proofs" "$made/proofs"
+    (cd "$made/proofs" && rm -f ./*.vo && GNOMON_KERNELS_DIR=$made/kernels ./expressions.py --write "$1.v" &&
+        for name in Roundings Devices Filters; do coqc -q "$name.v"; done)
+    if (cd "$made/proofs" && coqc -q "$1.v") >"$made/said" 2>&1; then
+        echo "Coq accepts $1 with a fault"
+        exit 1
+    fi
+}
+
+# A constant below the least; two additions exchanged; a range that is another.
+noticed exact/det3.clh 's/5\.0e-7f$/4.76e-7f/' det3_float.v
+refused det3_float
+noticed exact/det3.clh 's/w\.x \* cross\.value\.x + w\.y \* cross\.value\.y + w\.z \* cross\.value\.z/w.x * cross.value.x + (w.y * cross.value.y + w.z * cross.value.z)/' det3_float.v
+noticed exact/det3.clh 's/0x1p-40f/0x1p-41f/' det3_float.v
+# A sum that the size lacks: the value's permanent is no longer below it.
+noticed exact/det3_lanes.clh 's/plus_size\.z + minus_size\.z/plus_size.z/' det3_float.v
+noticed occluders/triangle_records.clh 's/fma(a->y, d_w, -(a->w \* d_y))/fma(-a->w, d_y, a->y * d_w)/' edge_functions.v
+noticed simd/projection.h 's/(10\.0f \* GN_U)/(5.0f * GN_U)/' projection.v
+noticed beams/beam_intersect.clh 's/5\.2e-7f/2.6e-7f/' beams.v
