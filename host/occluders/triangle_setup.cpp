@@ -39,8 +39,11 @@ void TriangleSetup::run_bounds(cl::Session& session, const ProjectionInput& proj
         session.is_cpu() ? session.compute_units() * session.work_group_size() * APPEND_BLOCK_ON_CPU : 0;
     const std::uint64_t likely = std::min<std::uint64_t>(triangles.count + unused + 1, first_capacity_);
     bounds_.reserve(session, likely);
-    // The same capacity as for bounds, also if an earlier run failed between these lists; one tile for each triangle.
-    for (GrowingList* list : {&records_, &map_candidates_, &map_tiles_, &tiles_}) list->reserve(session, capacity());
+    // The same capacity as for bounds, also if an earlier run failed between these lists; one tile for each triangle,
+    // and room for few triangles in many tiles, in whatever order the work-items take them.
+    for (GrowingList* list : {&records_, &map_candidates_}) list->reserve(session, capacity());
+    for (GrowingList* list : {&map_tiles_, &tiles_})
+        list->reserve(session, std::max(capacity(), std::min(first_capacity_, min_tiles)));
     const OrderedTriangles ordered = ordered_triangles(triangles);
     TriangleSetupParams params{};
     params.triangles = ordered;

@@ -68,7 +68,7 @@ public:
     const GrowingList& tiles() const { return tiles_; }
 
     /// The number of records that have room at first. Tests start with 1; 0 restores the default.
-    static constexpr std::uint32_t initial_capacity = 1u << 18;
+    static constexpr std::uint32_t initial_capacity = 1u << 18, min_tiles = 1u << 12;
     void limit_initial_capacity(std::uint32_t capacity) {
         first_capacity_ = capacity != 0 ? capacity : initial_capacity;
     }

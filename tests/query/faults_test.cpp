@@ -48,8 +48,7 @@ std::unique_ptr<gnomon::Technique> made(const gnomon::TechniqueDescription& desc
     auto technique = gnomon::make_technique(description.name, device);
     for (const gnomon::SettingDescription& setting : description.settings) {
         if (setting.name == "first-capacity" && lists == Lists::tight) technique->set(setting.name, "16");
-        // Over 64 x 64 bins, some orders of the work-items need more tiles than izb's lists begin with.
-        if (setting.name == "map-size") technique->set(setting.name, description.name == "izb" ? "16" : "64");
+        if (setting.name == "map-size") technique->set(setting.name, "64");
         if (setting.name == "size") technique->set(setting.name, "128");
     }
     return technique;
