@@ -91,7 +91,7 @@ public:
     /// `view` must come from look(), of these triangles. Throws InvalidArgument like sample_pattern().
     SampleViews(const Device& device, const Triangles& triangles, const View& view, std::uint32_t samples);
     ~SampleViews();
-    std::size_t count() const;
+    std::size_t count() const;  ///< samples per pixel
     /// The view of sample i, below count(). Its buffers are used again by the next call, and end with this object.
     View at(std::size_t i);
 
