@@ -28,6 +28,7 @@
 #include <vector>
 
 #include "support/leak_tracer.hpp"
+#include "support/srgb.hpp"
 
 namespace {
 
@@ -881,12 +882,6 @@ TEST_F(Command, TheDefaultSceneWithEveryOutput) {
     EXPECT_GT(in_shadow, 0u);  // a sundial without a shadow would be none
 }
 
-/// sRGB's formula, inverted.
-double linear_of(std::uint8_t byte) {
-    const double encoded = byte / 255.0;
-    return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
-}
-
 /// An exposure of +1 doubles the light of all that stays below .8; masks stay.
 TEST_F(Command, ExposureDoublesLight) {
     const auto picture = [&](const char* name, const char* exposure) {
@@ -898,7 +893,8 @@ TEST_F(Command, ExposureDoublesLight) {
     const auto doubled = picture("b.png", "-1");
     EXPECT_EQ(text_of(in_folder("m.png")), mask);
     ASSERT_EQ(plain.size(), doubled.size());
-    for (std::size_t i = 0; i < plain.size(); ++i) ASSERT_NEAR(linear_of(doubled[i]), 2 * linear_of(plain[i]), 0.01);
+    for (std::size_t i = 0; i < plain.size(); ++i)
+        ASSERT_NEAR(support::linear_of_srgb(doubled[i]), 2 * support::linear_of_srgb(plain[i]), 0.01);
     // Metered: at most one pixel of twenty of the scene is above .8 (one byte more is .807), and at least one of twenty
     // is there.
     render_quietly({"--size", "64x48", "-o", "c.png", "--exposure", "auto", "--aov", "c.exr", "--stats", "s.json"});
@@ -908,7 +904,7 @@ TEST_F(Command, ExposureDoublesLight) {
     for (std::size_t i = 0; i < pixels.size(); ++i) {
         if (pixels[i].receiver == sky) continue;
         ++seen;
-        const double brightest = linear_of(*std::max_element(&metered[3 * i], &metered[3 * i] + 3));
+        const double brightest = support::linear_of_srgb(*std::max_element(&metered[3 * i], &metered[3 * i] + 3));
         above += brightest > 0.803;
         at_least += brightest > 0.79;
     }

@@ -19,6 +19,7 @@
 #include "cl/session.hpp"
 #include "support/environment.hpp"
 #include "support/scene_makers.hpp"
+#include "support/srgb.hpp"
 
 namespace {
 
@@ -489,12 +490,6 @@ TEST(Lights, RunTogetherGiveWhatEachGivesAlone) {
     }
 }
 
-// sRGB's own formula, inverted.
-double linear_of(std::uint8_t byte) {
-    const double encoded = byte / 255.0;
-    return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
-}
-
 TEST(Lights, PicturesAddUpTheirLambertTerms) {
     const Device device;
     const auto triangles = Triangles::upload(device, roof);
@@ -520,8 +515,9 @@ TEST(Lights, PicturesAddUpTheirLambertTerms) {
     for (std::size_t i = 0; i < both.size(); ++i) {
         if (i % 4 == 3) continue;
         // Each of the four bytes is off by half a step, which is at most 0.0045 of linear light here.
-        EXPECT_NEAR(linear_of(both[i]) + linear_of(none[i]), linear_of(first[i]) + linear_of(second[i]), 0.01);
-        brighter += linear_of(both[i]) > linear_of(first[i]) + 0.02;
+        EXPECT_NEAR(support::linear_of_srgb(both[i]) + support::linear_of_srgb(none[i]),
+                    support::linear_of_srgb(first[i]) + support::linear_of_srgb(second[i]), 0.01);
+        brighter += support::linear_of_srgb(both[i]) > support::linear_of_srgb(first[i]) + 0.02;
     }
     EXPECT_GT(brighter, 100u);
     EXPECT_TRUE(throws<gnomon::InvalidArgument>(

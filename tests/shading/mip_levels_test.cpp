@@ -5,15 +5,11 @@
 #include <cmath>
 
 #include "shading/surface.hpp"
+#include "support/srgb.hpp"
 
 namespace {
 
 using namespace gnomon;
-
-double linear(double byte) {
-    const double encoded = byte / 255;
-    return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
-}
 
 struct Image {
     std::uint32_t width, height;
@@ -56,15 +52,15 @@ TEST(MipLevels, TheLastIsTheMeanOfAll) {
             double sums[3] = {}, weights = 0;
             for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
                 const double weight = weighs ? std::max<int>(image.rgba[i + 3], 1) : 255;
-                for (std::size_t c = 0; c < 3; ++c) sums[c] += weight * linear(image.rgba[i + c]);
+                for (std::size_t c = 0; c < 3; ++c) sums[c] += weight * support::linear_of_srgb(image.rgba[i + c]);
                 weights += weight;
             }
             const auto levels = levels_by_kernels(image, weighs, {});
             const std::uint8_t* const last = &levels[levels.size() - 4];
             for (std::size_t c = 0; c < 3; ++c) {
                 const double mean = sums[c] / weights;
-                EXPECT_LE(linear(std::max(last[c] - 0.51, 0.0)), mean) << width << " x " << height;
-                EXPECT_GE(linear(last[c] + 0.51), mean) << width << " x " << height;
+                EXPECT_LE(support::linear_of_srgb(std::max(last[c] - 0.51, 0.0)), mean) << width << " x " << height;
+                EXPECT_GE(support::linear_of_srgb(last[c] + 0.51), mean) << width << " x " << height;
             }
             EXPECT_NEAR(last[3], weights / (double(width) * height), 0.51);
         }

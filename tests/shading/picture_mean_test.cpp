@@ -9,16 +9,12 @@
 
 #include "shading/surface.hpp"
 #include "support/device.hpp"
+#include "support/srgb.hpp"
 
 namespace {
 
 using namespace gnomon;
 using Floats = std::vector<float>;
-
-double linear(double byte) {
-    const double encoded = byte / 255;
-    return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
-}
 
 /// A rectangle at z = 0 from (-1, -1) to (right, 1), and a camera before it whose picture shows -1 to 1.
 struct Rectangle {
@@ -58,7 +54,8 @@ TEST(PictureMean, AnEdgePixelHasTheSharesOfItsSamples) {
             const std::vector<std::uint8_t> rgba = scene.smooth(32);
             const double share = columns / 32.0;
             for (std::size_t k = 0; k < 3; ++k)
-                EXPECT_NEAR(linear(rgba[k]), share * 0.2 + (1 - share) * sky[k], 0.004) << columns << " " << k;
+                EXPECT_NEAR(support::linear_of_srgb(rgba[k]), share * 0.2 + (1 - share) * sky[k], 0.004)
+                    << columns << " " << k;
             EXPECT_EQ(rgba[3], 255);
         }
 }
@@ -101,8 +98,8 @@ TEST(PictureMean, TexturesAreTakenAtTheSamples) {
         const SampleOffset offset = sample_pattern(32)[i];
         const std::vector<float> albedo = appearance.surfaces(scene.triangles, views.at(i)).read().albedo;
         const auto texel = [](int units) { return (units + 32) / 4; };
-        EXPECT_NEAR(albedo[0], linear(16 * texel(offset.x) + 8), 1e-5) << i;
-        EXPECT_NEAR(albedo[1], linear(16 * texel(offset.y) + 8), 1e-5) << i;
+        EXPECT_NEAR(albedo[0], support::linear_of_srgb(16 * texel(offset.x) + 8), 1e-5) << i;
+        EXPECT_NEAR(albedo[1], support::linear_of_srgb(16 * texel(offset.y) + 8), 1e-5) << i;
     }
 }
 

@@ -8,16 +8,12 @@
 
 #include "shading/surface.hpp"
 #include "support/floor_view.hpp"
+#include "support/srgb.hpp"
 
 namespace {
 
 using namespace gnomon;
 using support::Floats;
-
-double linear(double byte) {
-    const double encoded = byte / 255;
-    return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
-}
 
 /// A sphere of flat triangles with the sphere's normals, `segments` around and half as many from pole to pole.
 struct Sphere {
@@ -63,7 +59,8 @@ double largest_step(const Sphere& sphere, bool is_smooth) {
         for (std::uint32_t y = side / 3; y < 2 * side / 3; ++y)
             for (std::uint32_t x = side / 4; x < 3 * side / 4; ++x) {
                 const std::size_t i = 4 * (std::size_t(y) * side + x);
-                largest = std::max(largest, std::abs(linear(picture.rgba[i]) - linear(picture.rgba[i + 4])));
+                largest = std::max(largest, std::abs(support::linear_of_srgb(picture.rgba[i]) -
+                                                     support::linear_of_srgb(picture.rgba[i + 4])));
             }
     }
     return largest;
@@ -96,7 +93,7 @@ struct Lit {
         return shade(surfaces, std::vector<Visibility>(lights, visibility), std::vector<Light>(lights, light), options);
     }
     double brightness(const Float3& color, std::size_t lights, const ShadeOptions& options = {}) const {
-        return linear(shaded(color, lights, options).rgba[0]);
+        return support::linear_of_srgb(shaded(color, lights, options).rgba[0]);
     }
 };
 
@@ -112,15 +109,16 @@ TEST(Shade, BrightLightFollowsTheToneCurve) {
     EXPECT_NEAR(lit.brightness({1, 1, 1}, 1, {.exposure_ev = 1}), 1 - 0.04 / 1.4, half_a_byte);
     // Red at 5 times its light is nearly white: 1 - .04 / 4.4 and a share 1 / (1 + .15 (5 - .99)) of its own colour.
     const std::vector<std::uint8_t> red = lit.shaded({1, 0, 0}, 1, {.exposure_ev = std::log2(5)}).rgba;
-    EXPECT_NEAR(linear(red[0]), 1 - 0.04 / 4.4, half_a_byte);
-    EXPECT_NEAR(linear(red[1]), (1 - 0.04 / 4.4) * (1 - 1 / (1 + 0.15 * (5 - (1 - 0.04 / 4.4)))), half_a_byte);
+    EXPECT_NEAR(support::linear_of_srgb(red[0]), 1 - 0.04 / 4.4, half_a_byte);
+    EXPECT_NEAR(support::linear_of_srgb(red[1]), (1 - 0.04 / 4.4) * (1 - 1 / (1 + 0.15 * (5 - (1 - 0.04 / 4.4)))),
+                half_a_byte);
 }
 
 TEST(Shade, MeteredLightIsBelowTheCurve) {
     const Lit lit;
     const Picture metered = lit.shaded({0.1f, 0.1f, 0.1f}, 1, {.exposure_ev = std::nullopt});
     EXPECT_NEAR(metered.exposure_ev, 3, 1e-5);  // .1 to .8
-    EXPECT_NEAR(linear(metered.rgba[0]), 0.8, 0.005);
+    EXPECT_NEAR(support::linear_of_srgb(metered.rgba[0]), 0.8, 0.005);
     const Picture black = lit.shaded({0, 0, 0}, 1, {.exposure_ev = std::nullopt});
     EXPECT_EQ(black.exposure_ev, 0);
     const Lit sky(1, -3);  // the eye looks away from behind: nothing of the square is in the middle
@@ -133,8 +131,8 @@ TEST(Shade, TheSkysLightTakesThePlaceOfAmbientLight) {
     const std::vector<float> none{0}, half{0.5f}, two{0, 0};
     EXPECT_NEAR(lit.brightness({1, 1, 1}, 0, {.sky_shares = none}), 0.125, 0.003);
     const std::vector<std::uint8_t> rgba = lit.shaded({1, 1, 1}, 0, {.sky_shares = half}).rgba;
-    EXPECT_NEAR(linear(rgba[0]), 0.125 + 0.5 * 0.45 * 0.8, 0.003);
-    EXPECT_NEAR(linear(rgba[2]), 0.125 + 0.5 * 0.45 * 1.26, 0.003);
+    EXPECT_NEAR(support::linear_of_srgb(rgba[0]), 0.125 + 0.5 * 0.45 * 0.8, 0.003);
+    EXPECT_NEAR(support::linear_of_srgb(rgba[2]), 0.125 + 0.5 * 0.45 * 1.26, 0.003);
     EXPECT_THROW(lit.shaded({1, 1, 1}, 0, {.sky_shares = two}), InvalidArgument);
     EXPECT_THROW(lit.shaded({1, 1, 1}, 0, {.exposure_ev = NAN}), InvalidArgument);
 }
@@ -187,7 +185,8 @@ TEST(Shade, EachPixelHasItsOwnMaterialNormalAndLights) {
             const Float3 color = is_sky ? Float3{0.46f, 0.62f, 0.86f} : materials.base_color[seen.receiver[i]];
             const double light = is_sky ? 1 : light_at(seen, i, lights, masks);
             const auto shown = curved({color[0] * light, color[1] * light, color[2] * light});
-            for (int c = 0; c < 3; ++c) ASSERT_NEAR(linear(rgba[4 * i + c]), shown[c], 0.005) << width << ", " << i;
+            for (int c = 0; c < 3; ++c)
+                ASSERT_NEAR(support::linear_of_srgb(rgba[4 * i + c]), shown[c], 0.005) << width << ", " << i;
             ASSERT_EQ(rgba[4 * i + 3], 255);
         }
     }

@@ -8,6 +8,7 @@
 
 #include "shading/surface.hpp"
 #include "support/floor_view.hpp"
+#include "support/srgb.hpp"
 
 namespace {
 
@@ -56,12 +57,6 @@ struct Square {
     }
 };
 
-/// sRGB's formula (IEC 61966-2-1).
-double linear(double byte) {
-    const double encoded = byte / 255;
-    return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
-}
-
 std::vector<std::uint8_t> grey(const std::vector<std::uint8_t>& values) {
     std::vector<std::uint8_t> rgba;
     for (const std::uint8_t value : values) rgba.insert(rgba.end(), {value, value, value, 255});
@@ -76,7 +71,7 @@ TEST(Surfaces, AtTexelsCentresTheyAreTheTexels) {
         const auto seen = Square().with_texture(4, 4, rgba).filling(4, {.gpu_kernels = gpu_kernels});
         for (std::size_t i = 0; i < 16; ++i)
             for (std::size_t k = 0; k < 3; ++k)
-                EXPECT_NEAR(seen.albedo[3 * i + k], linear(rgba[4 * i + k]), 2e-4) << i << " " << k;
+                EXPECT_NEAR(seen.albedo[3 * i + k], support::linear_of_srgb(rgba[4 * i + k]), 2e-4) << i << " " << k;
     }
 }
 
@@ -127,7 +122,7 @@ TEST(Surfaces, FarAwayTheyAreTheLinearMean) {
         double mean = 0;
         for (std::uint32_t i = 0; i < width * height; ++i) {
             values.push_back(i * 7919 % 3 == 0 ? 255 : i % 2 == 0 ? 0 : 40);
-            mean += linear(values.back()) / (width * height);
+            mean += support::linear_of_srgb(values.back()) / (width * height);
         }
         Square square(0, 1);
         square.with_texture(width, height, grey(values));
