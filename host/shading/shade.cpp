@@ -72,9 +72,14 @@ void launch_picture(cl::Session& session, const char* name, const Surfaces::Insi
                    of.buffers->normals, buffers.lambert, ids, colors, albedos, buffers.sky_shares, outputs...);
 }
 
+struct PreparedPicture {
+    PictureParams params;
+    double exposure_ev;
+};
+
 /// Brings what the kernels of a picture read: the lights' sums, the sky's shares and the exposure.
-PictureParams picture_params(const Surfaces& surfaces, std::span<const Visibility> visibilities,
-                             std::span<const Light> lights, const ShadeOptions& options, double& exposure_ev) {
+PreparedPicture prepare_picture(const Surfaces& surfaces, std::span<const Visibility> visibilities,
+                                std::span<const Light> lights, const ShadeOptions& options) {
     const Surfaces::Inside& of = surfaces.inside();
     cl::Session& session = session_of(of.device);
     SurfaceBuffers& buffers = *of.buffers;
@@ -86,14 +91,14 @@ PictureParams picture_params(const Surfaces& surfaces, std::span<const Visibilit
                          .has_sky_shares = bring_sky_shares(session, options, pixels, buffers.sky_shares),
                          .exposure = 1,
                          .is_first = 0};
-    exposure_ev = options.exposure_ev.value_or(0);
+    double exposure_ev = options.exposure_ev.value_or(0);
     if (!options.exposure_ev) {
         buffers.brightest.reserve(session, pixels * sizeof(float));
         launch_picture(session, "brightest_channels", of, params, buffers.brightest);
         exposure_ev = metered_ev(session, buffers, pixels);
     }
     params.exposure = static_cast<float>(std::exp2(exposure_ev));
-    return params;
+    return {params, exposure_ev};
 }
 
 }  // namespace
@@ -103,8 +108,7 @@ double shade_into(cl_mem rgba, const Surfaces& surfaces, std::span<const Visibil
     const Surfaces::Inside& of = surfaces.inside();
     if (bytes_of(rgba) < surfaces.count() * 4)
         throw InvalidArgument("the picture's buffer has fewer than 4 bytes for each pixel of the view");
-    double exposure_ev = 0;
-    const PictureParams params = picture_params(surfaces, visibilities, lights, options, exposure_ev);
+    const auto [params, exposure_ev] = prepare_picture(surfaces, visibilities, lights, options);
     launch_picture(session_of(of.device), "shade", of, params, of.tables->srgb, rgba);
     return exposure_ev;
 }
@@ -125,7 +129,8 @@ struct PictureMean::State {
     std::size_t pixels;
     std::uint32_t pictures, added = 0;
     cl::Buffer sums{}, picture{};
-    std::shared_ptr<const ShadeTables> tables{};
+    std::shared_ptr<const ShadeTables> tables{};  ///< of the latest picture
+    PictureParams params{};                       ///< the same
 };
 
 PictureMean::PictureMean(const Device& device, std::size_t pixels, std::uint32_t pictures)
@@ -144,11 +149,11 @@ double PictureMean::add(const Surfaces& surfaces, std::span<const Visibility> vi
         throw InvalidArgument("a picture of " + std::to_string(surfaces.count()) + " pixels is not one of " +
                               std::to_string(state_->pixels));
     if (state_->added == state_->pictures) throw InvalidArgument("all pictures of the mean were added before");
-    double exposure_ev = 0;
-    PictureParams params = picture_params(surfaces, visibilities, lights, options, exposure_ev);
+    auto [params, exposure_ev] = prepare_picture(surfaces, visibilities, lights, options);
     params.is_first = state_->added == 0;
     launch_picture(session_of(of.device), "shade_add", of, params, state_->sums);
     state_->tables = of.tables;
+    state_->params = params;
     ++state_->added;
     return exposure_ev;
 }
@@ -158,9 +163,10 @@ std::vector<std::uint8_t> PictureMean::read() const {
         throw InvalidArgument("the mean has " + std::to_string(state_->added) + " of its " +
                               std::to_string(state_->pictures) + " pictures");
     cl::Session& session = session_of(state_->device);
-    session.launch("shading/shade.cl", "shade_mean", cl::Range::items(state_->pixels),
-                   PictureMeanParams{.pixels = cl_uint(state_->pixels), .scale = 1.0f / float(state_->pictures)},
-                   state_->sums, state_->tables->srgb, state_->picture);
+    PictureParams params = state_->params;
+    params.exposure = 1.0f / static_cast<float>(state_->pictures);
+    session.launch("shading/shade.cl", "shade_mean", cl::Range::items(state_->pixels), params, state_->sums,
+                   state_->tables->srgb, state_->picture);
     return session.read_values<std::uint8_t>(state_->picture.get(), state_->pixels * 4);
 }
 

@@ -18,13 +18,15 @@
 
 // ---- Light of a point light or a direction --------------------------------------------------------------------------
 
-// Three floats for each point, one after the other.
-static PointsLayout packed_layout(PointsLayout of) {
+static PointsLayout strided_layout(PointsLayout of, uint point_stride, uint coordinate_stride) {
     of.first = 0u;
-    of.point_stride = 3u;
-    of.coordinate_stride = 1u;
+    of.point_stride = point_stride;
+    of.coordinate_stride = coordinate_stride;
     return of;
 }
+// Three floats for each point, one after the other; or x of all points, then y, then z.
+static PointsLayout packed_layout(PointsLayout of) { return strided_layout(of, 3u, 1u); }
+static PointsLayout planes_layout(PointsLayout of) { return strided_layout(of, 1u, of.count); }
 
 static LaneFloat block_dot(PointBlock a, PointBlock b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
@@ -144,6 +146,11 @@ static LaneInt to_srgb(LaneFloat linear, __global const uchar* table) {
     return LANES_GATHER(table, at);
 }
 
+// 8-bit sRGB of light from 0 to 1; what lies beyond is taken for its end.
+static LaneInt rgba_of(PointBlock light, __global const uchar* table) {
+    return to_srgb(light.x, table) | to_srgb(light.y, table) << 8 | to_srgb(light.z, table) << 16 | (int)0xFF000000u;
+}
+
 __kernel void shade(PictureParams params, __global const uint* visible, __global const float* normals,
                     __global const float* lambert, __global const uint* triangle_material,
                     __global const float* base_colors, __global const float* albedos, __global const float* sky_shares,
@@ -152,45 +159,37 @@ __kernel void shade(PictureParams params, __global const uint* visible, __global
     GN_FOR_EACH(block, block_count(params.layout)) {
         LaneInt seen;
         PointBlock light = tone_mapped(light_of_block(params, &from, block, &seen));
-        LaneInt rgba = to_srgb(light.x, srgb_table) | to_srgb(light.y, srgb_table) << 8 |
-                       to_srgb(light.z, srgb_table) << 16 | (int)0xFF000000u;
-        store_lane_ids(rgba, picture, params.layout, block);
+        store_lane_ids(rgba_of(light, srgb_table), picture, params.layout, block);
     }
 }
 
-// Adds a picture's light to that of the pictures before: three floats for each pixel, in planes.
+// Adds a picture's light to the sums of the pictures before: three planes, a float for each pixel.
 __kernel void shade_add(PictureParams params, __global const uint* visible, __global const float* normals,
                         __global const float* lambert, __global const uint* triangle_material,
                         __global const float* base_colors, __global const float* albedos,
                         __global const float* sky_shares, __global float* sums) {
     PictureInputs from = {visible, normals, lambert, triangle_material, base_colors, albedos, sky_shares};
-    PointsLayout layout = params.layout;
-    __global float* green = sums + layout.count;
-    __global float* blue = green + layout.count;
+    PointsLayout layout = params.layout, planes = planes_layout(layout);
     GN_FOR_EACH(block, block_count(layout)) {
         LaneInt seen;
         PointBlock light = tone_mapped(light_of_block(params, &from, block, &seen));
         if (params.is_first == 0u) {
-            light.x += load_lanes(sums, layout, block);
-            light.y += load_lanes(green, layout, block);
-            light.z += load_lanes(blue, layout, block);
+            PointBlock before = load_block(sums, planes, block);
+            light = (PointBlock){light.x + before.x, light.y + before.y, light.z + before.z};
         }
         store_lanes(light.x, sums, layout, block);
-        store_lanes(light.y, green, layout, block);
-        store_lanes(light.z, blue, layout, block);
+        store_lanes(light.y, sums + layout.count, layout, block);
+        store_lanes(light.z, sums + 2u * (size_t)layout.count, layout, block);
     }
 }
 
-// The mean of all pictures, from the sums of their light.
-__kernel void shade_mean(PictureMeanParams params, __global const float* sums, __global const uchar* srgb_table,
+// The mean of all pictures: params.exposure is 1 / their number.
+__kernel void shade_mean(PictureParams params, __global const float* sums, __global const uchar* srgb_table,
                          __global uint* picture) {
-    GN_FOR_EACH(pixel, params.pixels) {
-        uint rgba = 0xFF000000u;
-        for (uint channel = 0u; channel < 3u; ++channel) {
-            float light = clamp(sums[channel * (size_t)params.pixels + pixel] * params.scale, 0.0f, 1.0f);
-            rgba |= (uint)srgb_table[(int)(light * (float)(SRGB_TABLE_SIZE - 1) + 0.5f)] << (8u * channel);
-        }
-        picture[pixel] = rgba;
+    PointsLayout planes = planes_layout(params.layout);
+    GN_FOR_EACH(block, block_count(params.layout)) {
+        PointBlock light = scaled(load_block(sums, planes, block), (LaneFloat)(params.exposure));
+        store_lane_ids(rgba_of(light, srgb_table), picture, params.layout, block);
     }
 }
 

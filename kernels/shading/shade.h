@@ -21,8 +21,3 @@ GN_STRUCT_BEGIN(PictureParams)
     float exposure;       // the factor of all light
     uint is_first;        // shade_add: 1: nothing is read from the sums
 GN_STRUCT_END(PictureParams, 64)
-
-GN_STRUCT_BEGIN(PictureMeanParams)
-    uint pixels;
-    float scale;  // 1 / the number of pictures
-GN_STRUCT_END(PictureMeanParams, 8)
