@@ -244,16 +244,20 @@ bool can_be_in_parts(const RenderOptions& options) {
            !options.point_dump && !options.diagnostic && describe_technique(options.technique).exact;
 }
 
+/// A warning, or an error under --strict.
+void warn_or_refuse(const RenderOptions& options, const std::string& what) {
+    if (options.strict) throw Error(what + " (an error because of --strict)");
+    print_warning(what);
+}
+
 /// Techniques that do not test masks are warned about, and refused under --strict. Those that store depths or
 /// triangles in a map test them as a map does.
 void require_exact_for_cut_outs(const RenderOptions& options, const scene::Scene& scene) {
     const bool is_opaque = options.technique == "shadow-volumes";
     if (scene.cut_outs.empty() || (!is_opaque && options.technique != "conservative-map")) return;
-    const std::string what =
-        options.technique + (is_opaque ? " takes triangles that are cut out by their alpha for opaque ones"
-                                       : " leaves out triangles that are cut out by their alpha");
-    if (options.strict) throw Error(what + " (an error because of --strict)");
-    print_warning(what);
+    warn_or_refuse(options,
+                   options.technique + (is_opaque ? " takes triangles that are cut out by their alpha for opaque ones"
+                                                  : " leaves out triangles that are cut out by their alpha"));
 }
 
 /// True if a file shows what light falls on.
@@ -293,23 +297,35 @@ struct SeenSurfaces {
     cl_mem sky() const { return sky_sums.get(); }
 };
 
-/// What the whole scene looks like; none where it does not fit.
-std::optional<Appearance> appearance_of(const Device& device, const scene::Scene& scene, SurfaceTextures* textures) {
-    try {
-        return Appearance::upload(device, scene.materials, scene::SurfaceDetailView(scene).get(), textures);
-    } catch (const OutOfDeviceMemory&) {
-        return std::nullopt;
-    }
-}
+/// The surfaces of views: by an appearance of the whole scene where all fits, else by what a view shows.
+class SceneSurfaces {
+public:
+    SceneSurfaces(const Device& device, const scene::Scene& scene, SurfaceTextures* textures)
+        : device_(device), scene_(scene), textures_(textures) {}
 
-/// By an appearance of the whole scene where it fits, else by what the view shows.
-Surfaces surfaces_of(const Device& device, const scene::Scene& scene, const Seen& seen, SurfaceTextures* textures) {
-    if (seen.ids.empty()) {
-        if (const auto appearance = appearance_of(device, scene, textures))
-            return appearance->surfaces(seen.triangles, seen.view);
-        return Surfaces(device, seen.triangles, seen.view, scene.materials, scene::SurfaceDetailView(scene).get(),
-                        textures);
+    Surfaces of(const Triangles& triangles, const View& view) {
+        const scene::SurfaceDetailView detail(scene_);
+        try {
+            if (fits_ && !appearance_)
+                appearance_ = Appearance::upload(device_, scene_.materials, detail.get(), textures_);
+            if (fits_) return appearance_->surfaces(triangles, view);
+        } catch (const OutOfDeviceMemory&) {
+            fits_ = false;
+            appearance_.reset();
+        }
+        return Surfaces(device_, triangles, view, scene_.materials, detail.get(), textures_);
     }
+
+private:
+    const Device& device_;
+    const scene::Scene& scene_;
+    SurfaceTextures* textures_;
+    std::optional<Appearance> appearance_;
+    bool fits_ = true;
+};
+
+Surfaces surfaces_of(const Device& device, const scene::Scene& scene, const Seen& seen, SurfaceTextures* textures) {
+    if (seen.ids.empty()) return SceneSurfaces(device, scene, textures).of(seen.triangles, seen.view);
     const scene::Scene part = part_of(scene, seen.ids);
     return Surfaces(device, seen.triangles, seen.view, part.materials, scene::SurfaceDetailView(part).get(), textures);
 }
@@ -318,11 +334,9 @@ void report_textures(Report& report, const Surfaces& surfaces) {
     report.texture_bytes = surfaces.texture_bytes();
     const std::uint32_t levels = surfaces.left_out_levels();
     if (levels == 0) return;
-    const std::string what =
-        fmt::format("the textures do not fit into the device's memory: their {} finest level{} left out", levels,
-                    levels == 1 ? " is" : "s are");
-    if (report.options.strict) throw Error(what + " (an error because of --strict)");
-    print_warning(what);
+    warn_or_refuse(report.options,
+                   fmt::format("the textures do not fit into the device's memory: their {} finest level{} left out",
+                               levels, levels == 1 ? " is" : "s are"));
 }
 
 std::unique_ptr<SeenSurfaces> surfaces_of(Report& report, const Device& device, const scene::Scene& scene,
@@ -395,13 +409,11 @@ std::vector<std::uint8_t> smooth_picture(const Device& device, Technique& techni
     PictureMean mean(device, seen.view.points.count(), options.samples);
     const std::vector<Light> lights = lights_of(report);
     const std::vector<Visibility> visibilities = visibilities_for(device, seen.view, report);
-    const std::optional<Appearance> appearance = appearance_of(device, scene, &textures);
+    SceneSurfaces scene_surfaces(device, scene, &textures);
     for (std::size_t i = 0; i < views.count(); ++i) {
         const View view = views.at(i);
         decide_sample(technique, report, seen.triangles, view, visibilities);
-        const Surfaces surfaces = appearance ? appearance->surfaces(seen.triangles, view)
-                                             : Surfaces(device, seen.triangles, view, scene.materials,
-                                                        scene::SurfaceDetailView(scene).get(), &textures);
+        const Surfaces surfaces = scene_surfaces.of(seen.triangles, view);
         if (i == 0) report_textures(report, surfaces);
         cl::Buffer sky;
         if (options.sky_division != 0)
