@@ -270,5 +270,19 @@ Ltac same_products :=
   intros; cbn; repeat (rewrite Rabs_mult || rewrite Rabs_Rabsolu || rewrite (Rabs_pos_eq (Rabs _ * _ + _)));
   auto using Rabs_pos; try apply Req_le; ring.
 
+(* The sizes in a goal are not negative. *)
+Ltac sizes_are_positive :=
+  repeat match goal with |- context [Rabs ?y] => lazymatch goal with
+    | H : 0 <= Rabs y |- _ => fail | _ => assert (0 <= Rabs y) by apply Rabs_pos end end.
+
+(* Closes `Rabs (v - real x value) <= b` from what computed_is_near says of both (Nv: value, Nb: bound), where the sums of
+   absolute products are variables. *)
+Ltac by_roundings Nv Nb :=
+  cbn -[u32 h32] in Nv, Nb; unfold of_product, alpha, Q2R in *; cbn -[u32 h32] in Nv, Nb;
+  rewrite ?Rabs_pos_eq in Nb by lra;
+  replace u32 with (/ 16777216) in * by (unfold u32; simpl; lra);
+  replace h32 with (/ 85070591730234615865843651857942052864) in * by (unfold h32; simpl; lra);
+  lra.
+
 (* For the table: numerators and denominators of the least constant and of the kernel's. *)
 Definition shown (least kernel : Q) := (Qnum least, QDen least, Qnum kernel, QDen kernel).

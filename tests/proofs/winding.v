@@ -45,14 +45,12 @@ Let all := permanent x sizes.
 Lemma limits_value : within_limits x all all value.
 Proof.
   unfold all. cbv [value sizes within_limits permanent].
-  repeat split; repeat match goal with |- context [Rabs ?y] => lazymatch goal with
-    | H : 0 <= Rabs y |- _ => fail | _ => assert (0 <= Rabs y) by apply Rabs_pos end end; lra.
+  repeat split; sizes_are_positive; lra.
 Qed.
 Lemma limits_bound : within_limits x all all bound.
 Proof.
   unfold all. cbv [bound size sizes within_limits permanent].
-  repeat split; repeat match goal with |- context [Rabs ?y] => lazymatch goal with
-    | H : 0 <= Rabs y |- _ => fail | _ => assert (0 <= Rabs y) by apply Rabs_pos end end; lra.
+  repeat split; sizes_are_positive; lra.
 Qed.
 
 Theorem error v b : computes32 x value v -> computes32 x bound b -> Rabs (v - real x value) <= b.
@@ -64,19 +62,14 @@ Proof.
   assert (P0 : 0 <= P) by apply permanent_positive.
   assert (S1 : 1 <= all).
   { unfold all. cbv [sizes permanent]. rewrite (Rabs_pos_eq (Q2R _)) by (unfold Q2R; simpl; lra).
-    repeat match goal with |- context [Rabs ?y] => lazymatch goal with
-    | H : 0 <= Rabs y |- _ => fail | _ => assert (0 <= Rabs y) by apply Rabs_pos end end. unfold Q2R; simpl; lra. }
+    sizes_are_positive. unfold Q2R; simpl; lra. }
   assert (Pb : permanent x bound = Q2R (1 # 1048576) * P + Q2R (1 # 1298074214633706907132624082305024) * all).
   { unfold P, all. rewrite bound_is. cbn [permanent value size sizes].
     rewrite !(Rabs_pos_eq (Q2R _)) by (unfold Q2R; simpl; lra). cbv [size value permanent]. ring. }
   assert (Rb : real x bound = permanent x bound).
   { cbv [bound size sizes real permanent]. rewrite !Rabs_mult, !(Rabs_pos_eq (Q2R _)) by (unfold Q2R; simpl; lra). ring. }
   rewrite Rb, Pb in Nb. set (S := all) in *. set (E := Rabs (v - real x value)) in *. clearbody P S E. clear - Nv Nb P0 S1.
-  cbn -[u32 h32] in Nv, Nb. unfold of_product, alpha, Q2R in *. cbn -[u32 h32] in Nv, Nb.
-  rewrite ?Rabs_pos_eq in Nb by lra.
-  replace u32 with (/ 16777216) in * by (unfold u32; simpl; lra).
-  replace h32 with (/ 85070591730234615865843651857942052864) in * by (unfold h32; simpl; lra).
-  lra.
+  by_roundings Nv Nb.
 Qed.
 End Winding.
 Definition constants := Eval vm_compute in shown (least_bound) (1 # 2 ^ 20)%Q.
