@@ -257,9 +257,10 @@ void add_sun(const Group& add, const char* meaning, std::uint32_t default_sample
 void add_technique_options(CLI::App& app, RenderOptions& options) {
     const Group add{app, "Technique (see: gnomon techniques --verbose)"};
     add("--technique", "NAME", "How visibility is computed (default frustum-traced)", name(), into(options.technique));
-    add_samples(add,
-                "Points per pixel, each with its own exact answer; mask and picture get their mean (default 1, its centre)",
-                options.samples);
+    add_samples(
+        add,
+        "Points per pixel, each with its own exact answer; mask and picture get their mean (default 1, its centre)",
+        options.samples);
     add_sun(add, "Soft shadows: directional lights are disks of this angle in the sky (the sun's: 0.533)",
             default_sun_samples, options);
     add("--area-samples", "N", "Points of --area-light, each with its own exact shadow (default 64)", count(1, 65536),

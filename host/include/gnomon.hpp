@@ -26,8 +26,8 @@
 // that was enqueued before (tests/query/waits_test.cpp counts the blocking calls and compares them with this table):
 //   always   each call waits
 //   large    a call waits only where it makes a buffer of 4 MiB or more for a CPU, which is then mapped once
-//   never    no call waits (shade_into() and PictureMean::add() wait where they meter, or copy shares of the sky from
-//   the host)
+//   never    no call waits (shade_into() and PictureMean::add() wait where they meter, or copy the sky's shares from
+//            the host)
 // What is not in the table never waits; share() does as wrap() where device and host share memory, else as upload(). A
 // kernel that is launched for the first time may wait for its build, and a queue that profiles for each stage.
 // Device::kernel_builds() waits after a first launch. `always` is measured with frustum-traced: another technique may
