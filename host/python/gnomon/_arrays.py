@@ -53,7 +53,7 @@ def _declared_absent(array: Any, values: NDArray[Any]) -> NDArray[np.bool_] | No
 def _numbers_of(
     objects: NDArray[Any], absent: NDArray[np.bool_] | None
 ) -> tuple[NDArray[Any], NDArray[np.bool_] | None]:
-    """Python's integers as int64, its numbers as float64; None and pandas.NA as NaN. Other objects stay what they are."""
+    """Python's integers as int64, its numbers as float64; None and pandas.NA as NaN. Other objects stay as they are."""
     is_absent = np.array([one is None or type(one).__name__ in ("NAType", "NaTType") for one in objects.flat], bool)
     is_absent = is_absent.reshape(objects.shape) | (False if absent is None else absent)
     try:

@@ -92,8 +92,8 @@ def _remedy(given: Any) -> str | None:
         return "give two arrays, gnomon.Scene(vertices, faces)"
     if hasattr(given, "dims") and hasattr(given, "coords"):
         return (
-            "gnomon.study(folder, raster=...) takes a raster of heights as a file, which data.rio.to_raster() writes; a "
-            "height field of arrays stands in docs/python.md, Side.vertices()"
+            "gnomon.study(folder, raster=...) takes a raster of heights as a file, which data.rio.to_raster() writes; "
+            "a height field of arrays stands in docs/python.md, Side.vertices()"
         )
     if hasattr(given, "geometry") or hasattr(given, "geom_type"):
         return "make triangles of the geometry first, as with trimesh.creation.extrude_polygon()"

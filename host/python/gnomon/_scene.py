@@ -190,9 +190,9 @@ class Scene:
     them unless it is given another `up`; in gnomon.study() z is up, as on maps.
 
     vertices, faces: (V, 3) coordinates and (F, 3) indices; or vertices alone as triangles (F, 3, 3) or (F, 9); or a
-        mesh or a scene of trimesh, pyvista, meshio or Open3D. Any unit. A triangle's id is its row. A pyopencl array of float32
-        triangles is used where it lies, without a copy (with cut-outs it is copied): do not write it while the scene is
-        used.
+        mesh or a scene of trimesh, pyvista, meshio or Open3D. Any unit. A triangle's id is its row. A pyopencl array of
+        float32 triangles is used where it lies, without a copy (with cut-outs it is copied): do not write it while the
+        scene is used.
     cut_outs: triangles with holes, by the alpha of a texture, decided exactly at every hit: gnomon.CutOuts.
     lattice: a step, a power of two such as 2**-10, in the unit of the coordinates. float64 coordinates, of the mesh, of
         points and of point lights, are then snapped once to whole steps, floor(x / step + 1/2), and stay exact from
@@ -317,7 +317,9 @@ class Scene:
         part.
         """
         if not isinstance(path, str | os.PathLike):
-            raise TypeError(f"path: must be a file's name, not {type(path).__name__}: write its bytes into a file first")
+            raise TypeError(
+                f"path: must be a file's name, not {type(path).__name__}: write its bytes into a file first"
+            )
         file = Path(path)
         if not file.exists():
             raise FileNotFoundError(f"{file}: does not exist")
