@@ -62,13 +62,29 @@ fs::path temporary_folder() {
 }
 
 // Why a driver that is installed gives no device.
+std::string state_of_library(const std::string& named_by, const std::string& library) {
+    if (dlopen(library.c_str(), RTLD_LAZY | RTLD_LOCAL) == nullptr)
+        return named_by + " names " + library + ", which cannot be loaded (" + dlerror() + ")";
+    return named_by + " names " + library + ", which starts and has no device";
+}
 std::string state_of_driver(const fs::path& file) {
     std::ifstream stream(file);
     std::string library;
     std::getline(stream, library);
-    if (dlopen(library.c_str(), RTLD_LAZY | RTLD_LOCAL) == nullptr)
-        return file.string() + " names " + library + ", which cannot be loaded (" + dlerror() + ")";
-    return file.string() + " names " + library + ", which starts and has no device";
+    return state_of_library(file.string(), library);
+}
+
+// The drivers that the loader finds: a folder of .icd files, or one that OCL_ICD_VENDORS names, or a library.
+std::vector<std::string> states_of_drivers(const fs::path& vendors) {
+    std::vector<std::string> states;
+    std::error_code failed;
+    if (fs::is_regular_file(vendors, failed))
+        return {vendors.extension() == ".icd" ? state_of_driver(vendors)
+                                              : state_of_library("OCL_ICD_VENDORS", vendors.string())};
+    for (const auto& entry : fs::directory_iterator(vendors, failed))
+        if (entry.path().extension() == ".icd") states.push_back(state_of_driver(entry.path()));
+    std::sort(states.begin(), states.end());
+    return states;
 }
 
 }  // namespace
@@ -82,12 +98,8 @@ void give_pocl_a_folder() {
 std::string why_no_device() {
     const KernelFolder kernels = folder_of_pocl();
     std::string why = "there is no OpenCL device";
-    std::vector<std::string> states;
     const std::string vendors = variable("OCL_ICD_VENDORS");
-    std::error_code failed;
-    for (const auto& entry : fs::directory_iterator(vendors.empty() ? "/etc/OpenCL/vendors" : vendors, failed))
-        if (entry.path().extension() == ".icd") states.push_back(state_of_driver(entry.path()));
-    std::sort(states.begin(), states.end());
+    const std::vector<std::string> states = states_of_drivers(vendors.empty() ? "/etc/OpenCL/vendors" : vendors);
     if (states.empty())
         why += ", and no driver in " + (vendors.empty() ? "/etc/OpenCL/vendors" : vendors + " (OCL_ICD_VENDORS)") +
                ": install one (for the processor, Debian and Ubuntu have pocl-opencl-icd)";

@@ -71,7 +71,7 @@ SurfaceTextures::OnDevice::OnDevice(const Device& on, TextureKeys shown, std::sp
                                     std::uint32_t max_left_out)
     : device(on), keys(std::move(shown)), sources(sources_of(all)) {
     for (;; ++left_out) try {
-            upload(session_of(device), all);
+            upload(all);
             return;
         } catch (const OutOfDeviceMemory&) {
             if (left_out == max_left_out) throw;
@@ -84,7 +84,8 @@ std::vector<const std::uint8_t*> SurfaceTextures::OnDevice::sources_of(std::span
     return sources;
 }
 
-void SurfaceTextures::OnDevice::upload(cl::Session& session, std::span<const ColorTexture> all) {
+void SurfaceTextures::OnDevice::upload(std::span<const ColorTexture> all) {
+    cl::Session& session = session_of(device);
     places.clear();
     std::size_t max_texels = 0;  // of a level that is made
     bytes = 0;

@@ -38,7 +38,7 @@ struct SurfaceTextures::OnDevice {
     static std::vector<const std::uint8_t*> sources_of(std::span<const ColorTexture> all);
 
 private:
-    void upload(cl::Session& session, std::span<const ColorTexture> all);
+    void upload(std::span<const ColorTexture> all);
 };
 
 /// What triangles have, by slot, on the host: the caller's arrays, or those of shown triangles. Some may be empty.
