@@ -9,6 +9,7 @@ the expressions, in their order, with the kernel's constants. They stand in the 
     begin: from the kernels, by expressions.py        ...        end: from the kernels
 
 so that what is proved is what runs. The operands of + and * are ordered by name, as their order changes no bit.
+A quotient or a maximum becomes an input of what uses it, quotient_1 or greater_1, after definitions of its two operands.
 
 usage: expressions.py FILE...           fails if a proof's part is not what the kernels evaluate
        expressions.py --write FILE...   writes that part
@@ -128,7 +129,7 @@ class Probe:
                 self.inputs += names
                 self.values["%" + name] = [("in", n) for n in names] if count else ("in", names[0])
         for line in match.group(3).splitlines():
-            line = re.sub(r", !tbaa.*|, align \d+.*", "", line.split(" #")[0].strip())
+            line = re.sub(r", !(?:tbaa|fpmath).*|, align \d+.*", "", line.split(" #")[0].strip())
             if line and not line.endswith(":") and line != "ret void":
                 self.execute(line)
 
@@ -273,6 +274,42 @@ def coq_term(e, defined):
     return f"({constructors[name]} {' '.join(coq_term(o, defined) for o in operands)})"
 
 
+CUTS = {"div": ("quotient", "over", "under"), "max": ("greater", "one", "other"), "min": ("lesser", "one", "other")}
+
+
+def cut(outputs):
+    """The inputs in place of quotients and maxima; the outputs with them, whose operands become outputs before; and the
+    conditions under which values are not 0."""
+    made, inputs, limits = {}, {}, []
+
+    def operands_of(e, by):
+        return (e[0], *(by(o) if isinstance(o, tuple) else o for o in e[1:]))
+
+    def known(e):
+        e = operands_of(e, known)
+        return ("in", inputs[e]) if e in inputs else e
+
+    def replaced(e):
+        if e[0] == "select" and e[3] == ("const", 0):
+            limits.append(e[1])
+            return replaced(e[2])
+        if e[0] == "select":
+            return (*e[:2], *(replaced(o) for o in e[2:]))
+        e = operands_of(e, replaced)
+        if e[0] in CUTS and e not in inputs:
+            kind, first, second = CUTS[e[0]]
+            inputs[e] = f"{kind}_{sum(name.startswith(kind) for name in inputs.values()) + 1}"
+            made[f"{inputs[e]}_{first}"], made[f"{inputs[e]}_{second}"] = e[1:]
+        return ("in", inputs[e]) if e in inputs else e
+
+    for name, e in outputs.items():
+        e = replaced(e)
+        made[name] = e
+    made = {name: (*e[:1], known(e[1]), *e[2:]) if e[0] == "select" else e for name, e in made.items()}
+    limits = [known(c) for limit in limits for c in conditions(limit)]
+    return list(inputs.values()), made, [c for i, c in enumerate(limits) if c not in limits[:i]]
+
+
 def used_inputs(e):
     return {e[1]} if e[0] == "in" else set().union(*(used_inputs(o) for o in e[1:] if isinstance(o, tuple)), set())
 
@@ -293,20 +330,24 @@ def plain(e):
     return f"{e[0]}({', '.join(plain(o) for o in e[1:])})" if len(e) > 1 else e[0]
 
 
-def coq_block(inputs, outputs, met):
+def coq_block(inputs, outputs, limits, met):
     """The inputs' numbers, and one definition for each output: an expression, or a constant times another output."""
     used = set().union(*(used_inputs(e) for e in outputs.values()))
     lines = [f"Definition {name} := {number}%nat." for number, name in enumerate(n for n in inputs if n in used)]
     defined = {("in", name): f"(Given {name} {met(name)})" for name in used}
     for name, e in outputs.items():
         lines += coq_output(name, e, defined)
+    for c in limits:
+        lines += wrapped(f"(* where {plain_condition(c, defined)} *)")
     return lines
 
 
 def coq_output(name, e, defined):
+    if e[0] == "in":
+        return [f"Definition {name} := Given {e[1]} {re.search('[0-9]+', defined[e].split()[-1]).group(0)}."]
     if e[0] == "select" and e[3] == ("infinity",):  # a bound, where the level may be used
         limits = [f"(* {name}: where {plain_condition(c, defined)} *)" for c in conditions(e[1])]
-        return sorted(limits) + coq_output(name, e[2], defined)
+        return [part for limit in sorted(limits) for part in wrapped(limit)] + coq_output(name, e[2], defined)
     if e[0] == "mul" and "const" in (e[1][0], e[2][0]):
         factor, of = (e[1], e[2]) if e[1][0] == "const" else (e[2], e[1])
         if of in defined:
@@ -318,13 +359,19 @@ def coq_output(name, e, defined):
             return coq_output(name, product, defined) + [f"Definition {name}_rest : Q := {rational(rest[1])}."]
     term = coq_term(e, defined)
     defined[e] = name
-    return [f"Definition {name} :="] + textwrap.wrap(term.strip("(").rstrip(")") + ")" * (len(term) - len(
-        term.rstrip(")")) - 1) + ".", 116, initial_indent="  ", subsequent_indent="    ", break_on_hyphens=False)
+    return [f"Definition {name} :="] + wrapped("  " + term.strip("(").rstrip(")") + ")" * (len(term) - len(
+        term.rstrip(")")) - 1) + ".", "    ")
+
+
+def wrapped(text, indent="   "):
+    return textwrap.wrap(text, 116, subsequent_indent=indent, break_on_hyphens=False)
 
 
 def plain_condition(c, defined):
     def text(e):
-        return plain(e) if e[0] == "in" else defined.get(e) or plain(e)
+        if e[0] in ("in", "const") or e not in defined:
+            return plain(e) if len(e) == 1 or e[0] in ("in", "const") else f"{e[0]}({', '.join(text(o) for o in e[1:])})"
+        return defined[e]
     symbols = {"ole": "<=", "oge": ">=", "olt": "<", "ogt": ">"}
     return f"{text(c[1])} {symbols.get(c[0], c[0])} {text(c[2])}"
 
@@ -371,7 +418,11 @@ def checked(path, write):
         fail(f"{path} has no part from the kernels")
     probe = path.with_suffix(".cl")
     inputs, outputs = derive(probe)
-    block = coq_block(inputs, outputs, roundings_met(probe)) if path.suffix == ".v" else gappa_block(inputs, outputs)
+    if path.suffix == ".v":
+        made, outputs, limits = cut(outputs)
+        block = coq_block(inputs + made, outputs, limits, roundings_met(probe))
+    else:
+        block = gappa_block(inputs, outputs)
     made = lines[: begin + 1] + block + lines[end:]
     if write:
         path.write_text("\n".join(made) + "\n")
