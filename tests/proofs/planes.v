@@ -193,17 +193,11 @@ Hypotheses (x1_near : Rabs (x1 - (x b_x - x a_x)) <= e) (x2_near : Rabs (x2 - (x
 Hypotheses (y1_near : Rabs (y1 - (x b_y - x a_y)) <= e) (y2_near : Rabs (y2 - (x c_y - x a_y)) <= e).
 Hypotheses (z1_near : Rabs (z1 - (x b_z - x a_z)) <= e_z) (z2_near : Rabs (z2 - (x c_z - x a_z)) <= e_z).
 
-(* A computed n is within its 4 roundings; 1 + 2^-20: (1 + u)^4 - 1 is a little more than 4 u. *)
 Lemma normal_near n v : roundings n = 4%nat -> computes_normal x n v -> within_limits x (Q2R any) (Q2R any) n ->
   Rabs (v - real x n) <= (1 + / 1048576) * (permanent x n * / 4194304).
 Proof.
-  intros Hr C L. assert (u0 : 0 <= u32) by apply bpow_ge_0. unfold computes_normal in C.
-  assert (N := computed_is_near u32 0 u0 (Rle_refl 0) rounds_normal seen64 rounds_normal_near seen64_near x
-    (Q2R any) (Q2R any) n v L C).
-  assert (P0 := permanent_positive x n). rewrite Hr in N.
-  assert (U : underflow u32 0 (Q2R any) (Q2R any) n = 0).
-  { clear. induction n; cbn [underflow]; unfold of_product; rewrite ?IHn, ?IHn1, ?IHn2, ?IHn3; ring. }
-  rewrite U in N. unfold alpha in N. replace u32 with (/ 16777216) in N by (unfold u32; simpl; lra). simpl pow in N. lra.
+  intros Hr C L. assert (N := error_of_normal_numbers x any any n v L C). rewrite Hr in N.
+  assert (G := Rmult_le_compat_r _ _ _ (permanent_positive x n) four_roundings). lra.
 Qed.
 
 Ltac near N1 N2 N3 N4 v C L n :=
