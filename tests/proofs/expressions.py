@@ -211,7 +211,7 @@ class Probe:
                 return [both[0]] * int(re.match(r"<(\d+)", mask).group(1))
             picks = re.findall(r"i32 (\w+)", mask.split(">", 1)[1])
             return [both[int(i)] if i.isdigit() else ("undef",) for i in picks]
-        if name == "fpext":  # exact
+        if name in ("fpext", "uitofp"):  # exact (of integers: below 2^24)
             return self.typed(rest.rsplit(" to ", 1)[0])
         if name == "getelementptr":
             parts = split_operands(rest)
