@@ -235,9 +235,10 @@ def derive(probe):
     if not clang:
         print("NOT TESTED: there is no clang-14 here")
         sys.exit(77)
+    lanes = 16 if "\n// 16 lanes\n" in probe.read_text() else 1
     made = subprocess.run(
         [clang, "-x", "cl", "-cl-std=CL1.2", "-Xclang", "-finclude-default-header", "-target", "spir64-unknown-unknown",
-         "-fno-discard-value-names", "-fno-vectorize", "-fno-slp-vectorize", "-DGN_LANES=1",
+         "-fno-discard-value-names", "-fno-vectorize", "-fno-slp-vectorize", f"-DGN_LANES={lanes}",
          f"-I{KERNELS}", "-O2", "-mllvm", "-inline-threshold=100000", "-S", "-emit-llvm", "-w", "-o", "-", str(probe)], capture_output=True, text=True)
     if made.returncode != 0:
         fail(f"clang refuses {probe}:\n{made.stderr}")
