@@ -27,7 +27,7 @@ __kernel void probe(float3 a, float3 at, __global const HorizonSector* sector, f
     LaneFloat error, q_of;
     *slope = slope_between(&of, 0u, 1u, size_i, size_j, &q_of, &error);
     *q_between = q_of, *slope_bound = error;
-    *corner = slope_of_corner(&of, 0u, &error);
+    *corner = slope_at(&of, of.height[0], of.q[0], SLOPE_ERROR, &error);
     *corner_bound = error;
     LaneFloat of_areas[3] = {areas.x, areas.y, areas.z};
     *over = height_over_point(&of, of_areas, &error);
