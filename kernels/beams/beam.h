@@ -19,7 +19,7 @@
 // Floats of a triangle's PointEdges, which a point beam keeps for its tests of single lights.
 #define POINT_EDGE_ROWS 15u
 
-// Of planes, boxes and packets of directional lights, and of point lights (tests/proofs/tree.v).
+// Of planes, boxes and packets of directional lights, and of point lights (tests/proofs/tree.v, boxes.v).
 #define BEAM_ROUNDING 4e-6f
 #define BEAM_ROUNDING_OF_POSITIONS 8e-6f
 

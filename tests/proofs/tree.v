@@ -1,5 +1,5 @@
 (* SPDX-License-Identifier: MIT *)
-(* loose: the same rounding serves the boxes of packets, which need 2.3e-6 of the largest coordinate: prose *)
+(* loose: BEAM_ROUNDING also serves the extents of leaves along a light's axes, which need 2.3e-6 of it: prose *)
 (* beam_sides.clh: the planes of a beam against the tree's boxes and triangles. What lies on the rays' side of a plane is
    never computed beyond the plane's limit, so that no node and no triangle that a ray meets is left out.
 
@@ -7,7 +7,7 @@
    BEAM_ROUNDING L (the host rounds it twice); no result is below 2^-126 unless it is 0 (1e-30 in `rounding` covers
    underflow). In prose (docs/numerics.md, 16): that a beam's rays lie on that side, which the host verifies in double, or
    which holds for any normal (point lights; the lights' own limits round by as much); that the farthest corner of a box
-   along a normal is the one that its signs choose; the boxes of single rays and of packets. *)
+   along a normal is the one that its signs choose. Boxes of rays and packets: boxes.v. *)
 From Coq Require Import Reals QArith Qreals Lra Psatz.
 From Flocq Require Import Core.
 Require Import Roundings Devices Filters.
