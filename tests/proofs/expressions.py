@@ -156,6 +156,11 @@ class Probe:
             return [node(operation, *of) for of in zip(*operands)]
         return node(operation, *operands)
 
+    def input(self, name):
+        if name not in self.inputs:
+            self.inputs.append(name)
+        return ("in", name)
+
     def execute(self, line):
         if line.startswith("store "):
             what, where = split_operands(line[len("store "):])
@@ -193,6 +198,9 @@ class Probe:
             called, operands = re.search(r"@(\w[\w.]*)\((.*)\)", rest).groups()
             mangled = re.match(r"_Z(\d+)(\w+)", called)
             builtin = mangled.group(2)[: int(mangled.group(1))] if mangled else called.removeprefix("llvm.").split(".")[0]
+            if builtin == "vload3":
+                pointer = self.typed(split_operands(operands)[1])
+                return [self.input("_".join(map(str, (*pointer[1:2], *pointer[2][:-1], pointer[2][-1] + i)))) for i in range(3)]
             if builtin not in BUILTINS:
                 fail(f"unknown function: {line}")
             return self.each(BUILTINS[builtin], *(self.typed(o) for o in split_operands(operands)))
@@ -222,10 +230,7 @@ class Probe:
             return self.typed(rest.rsplit(" to ", 1)[0])
         if name == "load":
             pointer = self.typed(split_operands(rest)[1])
-            name = pointer[1] + "".join(f"_{i}" for i in pointer[2])
-            if name not in self.inputs:
-                self.inputs.append(name)
-            return ("in", name)
+            return self.input(pointer[1] + "".join(f"_{i}" for i in pointer[2]))
         return fail(f"unknown instruction: {line}")
 
 
