@@ -61,9 +61,9 @@ def as_minimum(condition, yes, no):
 
 def negated(condition):
     turned = {"ugt": "ole", "uge": "olt", "ult": "oge", "ule": "ogt", "and": "or", "or": "and"}
-    operands = condition[1:]
-    if condition[0] in ("and", "or"):
-        operands = [negated(o) for o in operands]
+    operands = [negated(o) for o in condition[1:]] if condition[0] in ("and", "or") else condition[1:]
+    if condition[0] not in turned:
+        return operands[0] if condition[0] == "not" else ("not", condition)
     return node(turned[condition[0]], *operands)
 
 
@@ -76,6 +76,8 @@ def selection(condition, yes, no):
         return yes
     if yes == ("infinity",):
         return selection(negated(condition), no, yes)
+    if yes == ("const", 0) and not as_minimum(condition, yes, no):
+        return node("select", negated(condition), no, yes)
     return as_minimum(condition, yes, no) or node("select", condition, yes, no)
 
 
@@ -191,9 +193,12 @@ class Probe:
             if isinstance(condition, list):
                 return [selection(*of) for of in zip(condition, yes, no)]
             return selection(condition, yes, no)
-        if name in ("and", "or") and rest.startswith("i1 "):
+        if name in ("and", "or") and re.match(r"(<\d+ x )?i1", rest):
+            kind = re.match(rf"{TYPE} ", rest).group(0)
             a, b = split_operands(rest)
-            return node(name, self.typed(a), self.typed("i1 " + b))
+            return self.each(name, self.typed(a), self.typed(kind + b))
+        if name == "xor" and rest.startswith("i1 ") and rest.endswith(", true"):
+            return negated(self.typed(rest.rsplit(",", 1)[0]))
         if name == "call":
             called, operands = re.search(r"@(\w[\w.]*)\((.*)\)", rest).groups()
             mangled = re.match(r"_Z(\d+)(\w+)", called)
@@ -219,15 +224,13 @@ class Probe:
                 return [both[0]] * int(re.match(r"<(\d+)", mask).group(1))
             picks = re.findall(r"i32 (\w+)", mask.split(">", 1)[1])
             return [both[int(i)] if i.isdigit() else ("undef",) for i in picks]
-        if name in ("fpext", "uitofp"):  # exact (of integers: below 2^24)
+        if name in ("fpext", "uitofp") or (name == "bitcast" and "*" in rest):  # exact (of integers: below 2^24)
             return self.typed(rest.rsplit(" to ", 1)[0])
         if name == "getelementptr":
             parts = split_operands(rest)
             base = self.typed(parts[1])
             steps = tuple(int(p.split()[-1]) for p in parts[2:])
             return ("pointer", base[1], base[2] + (steps[1:] if steps[0] == 0 else steps))
-        if name == "bitcast" and "*" in rest:
-            return self.typed(rest.rsplit(" to ", 1)[0])
         if name == "load":
             pointer = self.typed(split_operands(rest)[1])
             return self.input(pointer[1] + "".join(f"_{i}" for i in pointer[2]))
@@ -285,22 +288,23 @@ CUTS = {"div": ("quotient", "over", "under"), "max": ("greater", "one", "other")
 
 def cut(outputs):
     """The inputs in place of quotients and maxima; the outputs with them, whose operands become outputs before; and the
-    conditions under which values are not 0."""
+    conditions under which values are neither 0 nor infinite."""
     made, inputs, limits = {}, {}, []
 
     def operands_of(e, by):
         return (e[0], *(by(o) if isinstance(o, tuple) else o for o in e[1:]))
 
+    def is_limited(e):
+        return e[0] == "select" and e[3] in (("const", 0), ("infinity",))
+
     def known(e):
-        e = operands_of(e, known)
+        e = known(e[2]) if is_limited(e) else operands_of(e, known)
         return ("in", inputs[e]) if e in inputs else e
 
     def replaced(e):
-        if e[0] == "select" and e[3] == ("const", 0):
+        if is_limited(e):
             limits.append(e[1])
             return replaced(e[2])
-        if e[0] == "select":
-            return (*e[:2], *(replaced(o) for o in e[2:]))
         e = operands_of(e, replaced)
         if e[0] in CUTS and e not in inputs:
             kind, first, second = CUTS[e[0]]
@@ -309,8 +313,8 @@ def cut(outputs):
         return ("in", inputs[e]) if e in inputs else e
 
     for name, e in outputs.items():
-        e = replaced(e)
-        made[name] = e
+        is_bound = e[0] == "select" and e[3] == ("infinity",)
+        made[name] = (*e[:2], replaced(e[2]), e[3]) if is_bound else replaced(e)
     made = {name: (*e[:1], known(e[1]), *e[2:]) if e[0] == "select" else e for name, e in made.items()}
     limits = [known(c) for limit in limits for c in conditions(limit)]
     return list(inputs.values()), made, [c for i, c in enumerate(limits) if c not in limits[:i]]
