@@ -204,8 +204,8 @@ class Probe:
             mangled = re.match(r"_Z(\d+)(\w+)", called)
             builtin = mangled.group(2)[: int(mangled.group(1))] if mangled else called.removeprefix("llvm.").split(".")[0]
             if builtin == "vload3":
-                pointer = self.typed(split_operands(operands)[1])
-                return [self.input("_".join(map(str, (*pointer[1:2], *pointer[2][:-1], pointer[2][-1] + i)))) for i in range(3)]
+                _, name, path = self.typed(split_operands(operands)[1])
+                return [self.input("_".join(map(str, (name, *path[:-1], path[-1] + i)))) for i in range(3)]
             if builtin not in BUILTINS:
                 fail(f"unknown function: {line}")
             return self.each(BUILTINS[builtin], *(self.typed(o) for o in split_operands(operands)))
