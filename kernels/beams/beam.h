@@ -19,7 +19,8 @@
 // Floats of a triangle's PointEdges, which a point beam keeps for its tests of single lights.
 #define POINT_EDGE_ROWS 15u
 
-// Of planes, boxes and packets of directional lights, and of point lights (tests/proofs/tree.v, boxes.v).
+// Of planes, boxes and packets of directional lights, and of point lights, the farthest of which has three products
+// more (tests/proofs/tree.v, boxes.v).
 #define BEAM_ROUNDING 4e-6f
 #define BEAM_ROUNDING_OF_POSITIONS 8e-6f
 

@@ -9,6 +9,7 @@ Fails where a prover does not accept a proof; where the kernel's constant is bel
 unless the proof says `loose: WHY`; where a proof assumes more than the axioms of the reals.
 """
 import concurrent.futures
+import functools
 import hashlib
 import re
 import shutil
@@ -33,11 +34,15 @@ def coqc(name, folder):
     return made.stdout
 
 
+@functools.cache
+def version_of_coq():
+    return subprocess.run(["coqc", "--version"], capture_output=True, text=True, check=True).stdout
+
+
 def digest(name):
     """Of all that Coq's messages about a proof depend on."""
-    version = subprocess.run(["coqc", "--version"], capture_output=True, text=True, check=True).stdout
     texts = [(HERE / f"{of}.v").read_text() for of in [*LEMMAS, name]]
-    return hashlib.sha256("\0".join([version, *texts]).encode()).hexdigest()
+    return hashlib.sha256("\0".join([version_of_coq(), *texts]).encode()).hexdigest()
 
 
 def said_before(name, folder):
