@@ -7,10 +7,10 @@
 
    Assumed: a sector's vectors are unit vectors times `halves`, off by two roundings, so no coordinate exceeds `halves`; a
    quotient is off by 2.5 ulp; no result is below 2^-126 unless it is 0; areas are off by 2^-19 farthest^2 (horizons.v) and
-   at most 2.01 farthest^2; a corner within the strip is at most 64 q away (its width is at most 40 q). In prose
-   (strip_triangle.clh): a place on an edge that is computed lies on the real edge within STRIP_MARGIN of the strip's side.
-   may_touch() and `behind` compare with 2^-19 of the distance, where q and across need 6 u and the width 8 u: loose, as it
-   is the areas' constant. Overflow: coordinates are below 2^20 half cells, heights below 2^20 units. *)
+   at most 2.01 farthest^2; no q exceeds 1.001 farthest, no height `highest`; a corner within the strip is at most 64 q away
+   (its width is at most 40 q). In prose (strip_triangle.clh): a place on an edge that is computed lies on the real edge
+   within STRIP_MARGIN of the strip's side. may_touch() compares with 2^-19 of the distance, the areas' constant, where q and
+   across need 6 u and the width 8 u. Overflow: coordinates are below 2^20 half cells, heights below 2^20 units. *)
 From Coq Require Import Reals QArith Qreals Lra Psatz.
 From Flocq Require Import Core.
 Require Import Roundings Devices Filters.
