@@ -50,9 +50,8 @@ def intersection_matrix(
     context = np.concatenate([*triangles, np.empty((0, 3, 3))])
     corners = np.concatenate([context.reshape(-1, 3), sensors])
     with Scene(context, lattice=WorldLattice.fit(corners).step) as scene:
-        assert scene.lattice is not None
-        lifted = scene.lattice.snap(sensors, "points", along).astype(np.float64) + scene.lattice.origin
-        found = scene.lit_by(lifted, Lights.directions(-towards), side=Side.normals(along), bits=True)
+        lights = Lights.directions(-towards)
+        found = scene.lit_by(sensors, lights, side=Side.normals(along), lift=True, bits=True)
     seen = found.lit()
     if numericalize:
         unit = [v / np.linalg.norm(v, axis=1, keepdims=True) for v in (along, towards)]
