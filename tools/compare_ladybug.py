@@ -17,6 +17,8 @@ import pyradiance
 RADIANCE = Path(pyradiance.__file__).parent
 os.environ.update(BINPATH=str(RADIANCE / "bin"), RAYPATH=str(RADIANCE / "lib"))
 
+import gnomon  # noqa: E402
+from gnomon._gnomon import WorldLattice  # noqa: E402
 from gnomon.integrations import ladybug  # noqa: E402
 from ladybug.location import Location  # noqa: E402
 from ladybug.sunpath import Sunpath  # noqa: E402
@@ -84,13 +86,19 @@ def main():
     height = np.array([sun.z for sun in suns])
     dropped = height[differs[:, 1]] < 0.01472
     judged = rng.permutation(differs[~dropped])[: sizes.differing]
-    right = 0
+    raised = sensors + [0, 0, OFFSET]
+    step = WorldLattice.fit(np.concatenate([triangles.reshape(-1, 3), raised])).step  # as the adapter does
+    lattice = gnomon.Scene(triangles, lattice=step).lattice
+    models = {"as_given": (triangles, raised),
+              "as_snapped": (lattice.triangles, lattice.snap(raised, "points", np.tile([0.0, 0, 1], (len(raised), 1))))}
+    right = dict.fromkeys(models, 0)
     for row, sun in judged.tolist():
-        exact = oracle.lit(triangles, sensors[[row]] + [0, 0, OFFSET], direction=-np.array(suns[sun].to_array()))
-        right += exact[0] == found["gnomon"][row, sun]
+        for name, (mesh_of_model, places) in models.items():
+            exact = oracle.lit(mesh_of_model, places[[row]], direction=-np.array(suns[sun].to_array()))
+            right[name] += int(exact[0] == found["gnomon"][row, sun])
     print(json.dumps({"triangles": len(triangles), "pairs": found["gnomon"].size, "lit": int(found["gnomon"].sum()),
                       "differ": len(differs), "of_them_suns_that_radiance_drops": int(dropped.sum()),
-                      "judged_exactly": len(judged), "gnomon_right": int(right)}))  # fmt: skip
+                      "judged_exactly": len(judged), "lattice": step, "gnomon_right": right}))  # fmt: skip
 
 
 if __name__ == "__main__":
