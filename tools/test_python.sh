@@ -19,7 +19,7 @@ fi
 if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=ccache; fi
 "${pip[@]}" wheel . --no-deps --wheel-dir "$build/wheel" --config-settings=build-dir="$build/objects"
 wheel=$(echo "$build"/wheel/gnomon-*.whl)
-"${pip[@]}" install "$wheel[pocl,test,study]" pdoc
+"${pip[@]}" install "$wheel[pocl,test,study,weather]" pdoc
 ls -l "$wheel"
 if command -v doxygen >/dev/null; then tools/api_pages.sh "$build/venv/bin/python"; fi
 
