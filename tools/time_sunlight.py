@@ -41,7 +41,7 @@ def main():
     shares = timed("lit shares", lambda: surfaces.lit_fractions(triangles, directions, faces, within=0.01),
                    faces=sizes.faces, suns=len(directions), triangles=len(triangles))  # fmt: skip
     width = shares.high - shares.low
-    print(json.dumps({"widest": width.max().item(), "mean_width": width.mean().item(), "lit": shares.low.mean().item()}))
+    print(json.dumps({"widest": width.max().item(), "mean": width.mean().item(), "lit": float(shares.low.mean())}))
     of, weights = rng.integers(0, len(triangles), sizes.cells), rng.dirichlet([1, 1, 1], sizes.cells)
     corners = triangles[of]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

@@ -142,15 +142,18 @@ unsigned add_shadows(const std::array<Point, 3>& corner, const std::array<Wide, 
     }
     unsigned left_out = 0;
     for (unsigned i = 1; i + 1 < part.count; ++i) {
-        Shadow s{{part.corner[0], part.corner[i], part.corner[i + 1]}, {}, 0};
+        Shadow s{{part.corner[0], part.corner[i], part.corner[i + 1]}, {}, {}, 0};
         const double twice = cross(s.corner[0], s.corner[1], s.corner[2]);
         if (twice < 0) std::swap(s.corner[1], s.corner[2]);
         for (const Point p : s.corner) s.box.add(p);
         if (s.box.is_apart(receiver)) continue;
         double longest = 0;
-        for (unsigned k = 0; k < 3; ++k)
-            longest = std::max(
-                longest, std::hypot(s.corner[k].x - s.corner[(k + 1) % 3].x, s.corner[k].y - s.corner[(k + 1) % 3].y));
+        for (unsigned k = 0; k < 3; ++k) {
+            const Point a = s.corner[k], b = s.corner[(k + 1) % 3];
+            const double length = std::sqrt((b.x - a.x) * (b.x - a.x) + (b.y - a.y) * (b.y - a.y));
+            s.left[k] = {(a.y - b.y) / length, (b.x - a.x) / length};
+            longest = std::max(longest, length);
+        }
         if (std::abs(twice) <= SLIVER * longest) {
             ++left_out;
             continue;

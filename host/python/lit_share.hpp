@@ -10,7 +10,7 @@
 // 2^25, and a corner where an edge crosses the plane by 2^-24 with it. So the shadow's triangle, as stored, differs
 // from the true one in a strip of 2^-24 to each side of its border, whose part in a convex piece is at most as long as
 // the piece's border. A cut of a stored piece by a stored line is wrong only within 2^-22 of that line: of that size
-// are the roundings of a distance (4 2^-53 2^27 in products and differences) and of a new corner. Three cuts and the
+// are the roundings of a distance (8 2^-53 2^27 in products and differences) and of a new corner. Three cuts and the
 // strip are wrong by less than ERROR times the piece's border in area. A shadow narrower than SLIVER is left out, which
 // is wrong by less than 2 SLIVER times the receiver's border. Subtracting the same shadow from two sets does not make
 // their difference larger, so that the errors add up: |stored lit area - true lit area| is at most their sum, `error`.
@@ -79,6 +79,7 @@ struct Polygon {
 // An occluder's shadow, or half of it: counter-clockwise.
 struct Shadow {
     std::array<Point, 3> corner;
+    std::array<Point, 3> left;  // unit vectors to the left of the edge that begins at each corner
     Box box;
     double overlap;  // of its box with that of the receiver
 };
@@ -86,18 +87,18 @@ struct Shadow {
 struct Piece {
     Polygon polygon;
     double area = 0;
+    Box box{};
     std::size_t met = 0;  // the shadows before this one are subtracted
     bool operator<(const Piece& other) const { return area < other.area; }
 };
 
-// The distances of a polygon's corners to the left of a line.
+// The distances of a polygon's corners to the left of a line through a point.
 struct Distances {
     std::array<double, Polygon::MOST> of;
     double least = std::numeric_limits<double>::max(), largest = std::numeric_limits<double>::lowest();
-    Distances(const Polygon& p, Point a, Point b) {
-        const double length = std::hypot(b.x - a.x, b.y - a.y);
+    Distances(const Polygon& p, Point a, Point left) {
         for (unsigned i = 0; i < p.count; ++i) {
-            of[i] = cross(a, b, p.corner[i]) / length;
+            of[i] = left.x * (p.corner[i].x - a.x) + left.y * (p.corner[i].y - a.y);
             least = std::min(least, of[i]);
             largest = std::max(largest, of[i]);
         }
@@ -138,7 +139,7 @@ public:
         std::uint64_t done = 0;
         while (!open_.empty() && undecided_ > within * whole_) {
             Piece piece = open_.front();
-            while (piece.met < shadows_.size() && is_apart(piece.polygon, shadows_[piece.met])) ++piece.met;
+            while (piece.met < shadows_.size() && is_apart(piece, shadows_[piece.met])) ++piece.met;
             if (piece.met < shadows_.size() && done++ >= limit) return;
             std::pop_heap(open_.begin(), open_.end());
             open_.pop_back();
@@ -175,7 +176,8 @@ private:
         const double area = polygon.count < 3 ? 0 : polygon.area();
         if (!(area > 0)) return;
         if (polygon.count <= Polygon::MOST / 2) {
-            open_.push_back({polygon, area, met});
+            open_.push_back({polygon, area, {}, met});
+            for (unsigned i = 0; i < polygon.count; ++i) open_.back().box.add(polygon.corner[i]);
             std::push_heap(open_.begin(), open_.end());
             undecided_ += area;
             return;
@@ -189,12 +191,10 @@ private:
         push(second, met);
     }
 
-    static bool is_apart(const Polygon& polygon, const Shadow& shadow) {
-        Box box;
-        for (unsigned i = 0; i < polygon.count; ++i) box.add(polygon.corner[i]);
-        if (box.is_apart(shadow.box)) return true;
+    static bool is_apart(const Piece& piece, const Shadow& shadow) {
+        if (piece.box.is_apart(shadow.box)) return true;
         for (unsigned i = 0; i < 3; ++i)
-            if (Distances(polygon, shadow.corner[i], shadow.corner[(i + 1) % 3]).largest < -CERTAIN) return true;
+            if (Distances(piece.polygon, shadow.corner[i], shadow.left[i]).largest < -CERTAIN) return true;
         return false;
     }
 
@@ -204,7 +204,7 @@ private:
         Polygon inside = piece.polygon;
         bool is_certain = true;
         for (unsigned i = 0; i < 3; ++i) {
-            const Distances distance(inside, shadow.corner[i], shadow.corner[(i + 1) % 3]);
+            const Distances distance(inside, shadow.corner[i], shadow.left[i]);
             if (distance.least >= CERTAIN) continue;
             is_certain = false;
             Polygon left;
