@@ -68,7 +68,7 @@ public:
             all_.add(boxes_[t].low);
             all_.add(boxes_[t].high);
         }
-        side_ = std::clamp<std::size_t>(std::size_t(std::sqrt(double(triangles.size()))), 1, 512);
+        side_ = std::clamp<std::size_t>(std::size_t(std::sqrt(double(triangles.size())) / 4), 1, 512);
         scale_ = {side_ / std::max(all_.high.x - all_.low.x, 1.0), side_ / std::max(all_.high.y - all_.low.y, 1.0)};
         first_.assign(side_ * side_ + 1, 0);
         for (const Box& box : boxes_) for_squares(box, [&](std::size_t s) { ++first_[s + 1]; });

@@ -12,7 +12,8 @@
 // the piece's border. A cut of a stored piece by a stored line is wrong only within 2^-22 of that line: of that size
 // are the roundings of a distance (8 2^-53 2^27 in products and differences) and of a new corner. Three cuts and the
 // strip are wrong by less than ERROR times the piece's border in area. A shadow narrower than SLIVER is left out, which
-// is wrong by less than 2 SLIVER times the receiver's border. Subtracting the same shadow from two sets does not make
+// is wrong by less than 2 SLIVER times the receiver's border. The roundings of areas (2^-51 times a piece's diameter
+// squared, so 2^-25 times its border) are in ERROR, too. Subtracting the same shadow from two sets does not make
 // their difference larger, so that the errors add up: |stored lit area - true lit area| is at most their sum, `error`.
 #pragma once
 

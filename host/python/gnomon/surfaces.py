@@ -133,8 +133,8 @@ def lit_fractions(
     towards = -np.asarray(directions, np.float64).astype(np.float32)
     if towards.ndim != 2 or towards.shape[1] != 3:
         raise ValueError(f"directions: shape {towards.shape} is not (M, 3)")
-    is_good: NDArray[np.bool_] = np.isfinite(towards).all(axis=1) & towards.any(axis=1)
-    bad = _arrays.first_row(~is_good)
+    length = np.abs(towards.astype(np.float64)).sum(axis=1)
+    bad = _arrays.first_row(~(np.isfinite(length) & (length > 0)))
     if bad is not None:
         raise ValueError(f"directions: row {bad} {(-towards[bad]).tolist()} is zero or not finite in float32")
     of = np.arange(len(scene.triangles)) if faces is None else np.asarray(faces)
