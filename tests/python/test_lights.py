@@ -143,7 +143,8 @@ def test_lifted_points_are_those_of_lit():
     halves = [[corner, corner + 12, corner + 13], [corner, corner + 13, corner + 1]]
     faces = np.concatenate([np.stack(half, 1) for half in halves])
     scene = gnomon.Scene(vertices, faces, lattice=2**-10)
-    points, side = vertices[faces].mean(axis=1), gnomon.Side.normals([-0.3, -0.7, 1])
+    points = vertices[faces].mean(axis=1)
+    side = gnomon.Side.normals(np.tile([-0.3, -0.7, 1], (len(points), 1)))
     suns = rng.normal(size=(9, 3)) * [1, 1, 0.2] - [0, 0, 0.4]
     found = scene.lit_by(points, gnomon.Lights.directions(suns), side=side, lift=True, bits=True).lit()
     for k, sun in enumerate(suns):
