@@ -262,5 +262,13 @@ def test_what_is_no_weather_file_is_named(tmp_path):
     made = weather.read(write_epw(tmp_path / "b.epw", days=1))
     with pytest.raises(ValueError, match="up: must be 'y' or 'z', not 'x'"):
         weather.irradiation(scene, [[0, 0, 0]], [[0, 0, 1]], made, up="x")
+    with pytest.raises(TypeError, match="must be a gnomon.Scene and a Weather of read.*, not Scene and str"):
+        weather.irradiation(scene, [[0, 0, 0]], [[0, 0, 1]], "b.epw")
+    with pytest.raises(ValueError, match=r"points and normals: shapes \(1, 2\) and \(1, 3\)"):
+        weather.irradiation(scene, [[0, 0]], [[0, 0, 1]], made)
+    with pytest.raises(ValueError, match="normals: row 0 is zero"):
+        weather.irradiation(scene, [[0, 0, 0]], [[0, 0, 0]], made)
+    with pytest.raises(ValueError, match="normal: must be three finite numbers"):
+        made.on_plane((0, 0, 0))
     with pytest.raises(ValueError, match="albedo: must be from 0 to 1, not 20"):
         weather.irradiation(scene, [[0, 0, 0]], [[0, 0, 1]], made, albedo=20)

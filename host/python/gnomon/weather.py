@@ -93,7 +93,10 @@ class Weather:
 
     def on_plane(self, normal: ArrayLike, albedo: float = 0.0) -> PlaneIrradiance:
         """What an unobstructed plane gets in each interval. normal: towards its front; x east, y north, z up."""
-        n = np.asarray(normal, np.float64) / np.linalg.norm(np.asarray(normal, np.float64))
+        n = np.asarray(normal, np.float64)
+        if n.shape != (3,) or not np.isfinite(n).all() or not n.any():
+            raise ValueError(f"normal: must be three finite numbers, not all zero, not {normal!r}")
+        n = n / np.linalg.norm(n)
         azimuth, elevation = self.suns()
         cosines = np.maximum(towards(azimuth, elevation) @ n, 0)
         radiance, (parts, patch) = self.radiance(albedo), tregenza()
@@ -245,8 +248,8 @@ def irradiation(
     radiance of Tregenza's 145 patches, of four parts each. Each sun and each part's middle is decided exactly, and has
     its cosine.
 
-    points, normals: (..., 3) on the scene's surfaces, and their fronts' normals. Points are snapped to a lattice and
-        lifted off their surface (Scene.lit(lift=True)); those with a NaN get NaN.
+    points, normals: (..., 3) on the scene's surfaces, and their fronts' normals (or one for all). Points are snapped to a
+        lattice and lifted off their surface (Scene.lit(lift=True)); those with a NaN get NaN.
     albedo: the share of light that ground beyond the scene reflects, the same from everywhere below the horizon. What
         the scene itself reflects is not computed.
     up: the axis that points up, "y" or "z"; north is then -z or y, turned by `north` degrees clockwise as seen from
@@ -257,7 +260,14 @@ def irradiation(
         raise ValueError(f"up: must be 'y' or 'z', not {up!r}")
     if not 0 <= albedo <= 1:
         raise ValueError(f"albedo: must be from 0 to 1, not {albedo!r}")
+    if not isinstance(scene, Scene) or not isinstance(weather, Weather):
+        raise TypeError(
+            f"scene and weather: must be a gnomon.Scene and a Weather of read(), not {type(scene).__name__} and "
+            f"{type(weather).__name__}"
+        )
     positions, along = np.asarray(points, np.float64), np.asarray(normals, np.float64)
+    if positions.shape[-1:] != (3,) or along.shape not in ((3,), positions.shape):
+        raise ValueError(f"points and normals: shapes {positions.shape} and {along.shape} are not (..., 3) both")
     along = np.broadcast_to(along, positions.shape).reshape(-1, 3)
     flat = positions.reshape(-1, 3)
     there = np.flatnonzero(np.isfinite(flat).all(axis=1))
