@@ -248,8 +248,8 @@ def irradiation(
     radiance of Tregenza's 145 patches, of four parts each. Each sun and each part's middle is decided exactly, and has
     its cosine.
 
-    points, normals: (..., 3) on the scene's surfaces, and their fronts' normals (or one for all). Points are snapped to a
-        lattice and lifted off their surface (Scene.lit(lift=True)); those with a NaN get NaN.
+    points, normals: (..., 3) on the scene's surfaces, and their fronts' normals (or one for all). Points are snapped
+        to a lattice and lifted off their surface (Scene.lit(lift=True)); those with a NaN get NaN.
     albedo: the share of light that ground beyond the scene reflects, the same from everywhere below the horizon. What
         the scene itself reflects is not computed.
     up: the axis that points up, "y" or "z"; north is then -z or y, turned by `north` degrees clockwise as seen from
