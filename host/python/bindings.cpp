@@ -16,6 +16,7 @@
 
 #include "cl/opencl.hpp"
 #include "lights/whole_weights.hpp"
+#include "lit_fractions.hpp"
 #include "scene/number_table.hpp"
 
 #ifdef GNOMON_PYTHON_GLTF
@@ -32,6 +33,7 @@ using Floats = nb::ndarray<const float, nb::c_contig, nb::device::cpu>;
 using Doubles = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
 using Bytes = nb::ndarray<const std::uint8_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 using Ids = nb::ndarray<const std::uint32_t, nb::c_contig, nb::device::cpu>;
+using Integers = nb::ndarray<const std::int32_t, nb::c_contig, nb::device::cpu>;
 
 template <typename Value>
 using Numpy = nb::ndarray<nb::numpy, Value>;
@@ -437,6 +439,26 @@ void bind_lattice(nb::module_& m) {
         });
 }
 
+// triangles (F, 9) in steps, face (F,), towards (M, 3): low (M, faces), high, and the centroids (M, faces, 3) or
+// nothing.
+void bind_lit_fractions(nb::module_& m) {
+    m.def("lit_fractions",
+          [](const Integers& triangles, const Integers& face, std::uint32_t faces, const Floats& towards, double within,
+             std::uint64_t limit, unsigned threads, bool centroids) {
+              using Triangle = gnomon::python::LatticeTriangle;
+              static_assert(sizeof(Triangle) == 9 * sizeof(std::int32_t));
+              const std::span corners(reinterpret_cast<const Triangle*>(triangles.data()), triangles.size() / 9);
+              gnomon::python::LitFractions found = released([&] {
+                  return gnomon::python::lit_fractions(corners, span_of(face), faces, span_of(towards),
+                                                       {within, limit, threads, centroids});
+              });
+              const std::size_t lights = towards.size() / 3;
+              std::vector<std::size_t> shape{lights, faces};
+              auto low = numpy_of(std::move(found.low), shape), high = numpy_of(std::move(found.high), shape);
+              return nb::make_tuple(low, high, numpy_of(std::move(found.centroid), {centroids ? lights : 0, faces, 3}));
+          });
+}
+
 void bind_views(nb::module_& m) {
     using gnomon::Camera;
     using gnomon::View;
@@ -644,6 +666,7 @@ NB_MODULE(_gnomon, m) {
     bind_many_lights(m);
     bind_made_lights(m);
     bind_lattice(m);
+    bind_lit_fractions(m);
     bind_views(m);
     bind_pictures(m);
     bind_scenes(m);
