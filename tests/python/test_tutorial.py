@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Python in README.md and docs/python.md: each section is a program of its own, so that a copy of it runs. Its blocks run
-one after the other. (docs/studies.md: tests/python/study/test_outputs.py.)"""
+one after the other. (docs/studies.md, viewshed.md: tests/python/study/test_outputs.py, test_viewshed_command.py.)"""
 
 import re
 from pathlib import Path
@@ -26,7 +26,7 @@ SECTIONS = sections("docs/python.md") | sections("README.md")
 
 def test_all_pages_with_python_are_run():
     pages = [p for p in [*ROOT.glob("docs/*.md"), *ROOT.glob("*.md")] if "```python" in p.read_text()]
-    assert sorted(p.name for p in pages) == ["README.md", "python.md", "studies.md"] and len(SECTIONS) == 5
+    assert sorted(p.name for p in pages) == ["README.md", "python.md", "studies.md", "viewshed.md"] and len(SECTIONS) == 5
 
 
 @pytest.mark.parametrize("name", SECTIONS)

@@ -19,9 +19,9 @@ EARTH_RADIUS, REFRACTION = 6_371_000.0, 1 / 7
 #: The finest step of heights, in metres.
 FINEST = -10
 
-_NONE = _gnomon.NO_HEIGHT  # type: ignore[attr-defined]
-_SUBCELLS = _gnomon.SUBCELLS  # type: ignore[attr-defined]
-_LIMIT = _gnomon.MAX_GRID_HEIGHT  # type: ignore[attr-defined]
+_NONE = _gnomon.NO_HEIGHT
+_SUBCELLS = _gnomon.SUBCELLS
+_LIMIT = _gnomon.MAX_GRID_HEIGHT
 
 
 class Viewshed(NamedTuple):
@@ -58,11 +58,11 @@ class _Axis(NamedTuple):
 
     first: float
     step: float  # above 0 for columns, below 0 for rows: row 0 is in the north
-    count: int
+    size: int
     is_turned: bool
 
     def places(self) -> NDArray[np.float64]:
-        return self.first + self.step * np.arange(self.count)
+        return np.asarray(self.first + self.step * np.arange(self.size), np.float64)
 
 
 def _axis_of(values: Any, count: int, name: str, step: float) -> _Axis:
@@ -131,15 +131,16 @@ class _Ground:
         below = _per_observer(target_height, len(observers), "target_height")
         rise, targets = (np.floor(np.ldexp(metres, -self.exponent) + 0.5) for metres in (above, below))
         for name, steps, least in (("height", rise, 1), ("target_height", targets, 0)):
-            row = _arrays.first_row(~((steps >= least) & (steps < _LIMIT)))
+            row = _arrays.first_row(np.asarray(~((steps >= least) & (steps < _LIMIT))))
             if row is not None:
                 lowest, highest = "above 0" if least else "at least 0", math.ldexp(_LIMIT, self.exponent)
                 raise ValueError(f"{name}: must be {lowest} and below {highest:g}, and that of row {row} is not")
         places = np.stack([(observers[:, 0] - self.columns.first) / self.columns.step,
                            (observers[:, 1] - self.rows.first) / self.rows.step], axis=1)  # fmt: skip
         cells = np.floor(places * _SUBCELLS + 0.5)
-        ends = np.array([self.columns.count - 1, self.rows.count - 1]) * _SUBCELLS
-        row = _arrays.first_row(~((cells >= 0) & (cells <= ends)).all(axis=1))
+        ends = np.array([self.columns.size - 1, self.rows.size - 1]) * _SUBCELLS
+        is_over = np.asarray(((cells >= 0) & (cells <= ends)).all(axis=1))
+        row = _arrays.first_row(~is_over)
         if row is not None:
             raise ValueError(f"observers: row {row} {observers[row].tolist()} does not stand on the raster, whose "
                              f"cells' centres reach from {self._corner(0)} to {self._corner(-1)}")  # fmt: skip
@@ -156,7 +157,7 @@ class _Ground:
 
     def _ground_at(self, cells: NDArray[np.int64], observers: NDArray[np.float64]) -> NDArray[np.int64]:
         """The height of the ground below places in sub-cells, on the triangle there, rounded up."""
-        last = np.array([self.columns.count - 2, self.rows.count - 2])
+        last = np.array([self.columns.size - 2, self.rows.size - 2])
         corner = np.minimum(cells // _SUBCELLS, last)
         f, g = (cells - corner * _SUBCELLS).T
         column, row = corner.T
@@ -175,9 +176,9 @@ class _Ground:
 
     def spans(self, observers: NDArray[np.float64], distance: Any) -> NDArray[np.int32]:
         """(M, R, 2): the first column of each row within each observer's distance, and the one after the last."""
-        count, rows = len(observers), self.rows.count
+        count, rows = len(observers), self.rows.size
         if distance is None:
-            return np.broadcast_to(np.array([0, self.columns.count], np.int32), (count, rows, 2)).copy()
+            return np.broadcast_to(np.array([0, self.columns.size], np.int32), (count, rows, 2)).copy()
         reach = _per_observer(distance, count, "distance")[:, None]
         across = self.rows.places()[None, :] - observers[:, 1:2]
         half = np.sqrt(np.maximum(reach**2 - across**2, 0))
@@ -224,7 +225,7 @@ class ViewshedGrid:
         device: str | Device | None = None,
     ) -> None:
         values = np.asarray(_arrays.on_host(heights, "heights"))
-        side = _gnomon.MAX_GRID_SIDE  # type: ignore[attr-defined]
+        side = _gnomon.MAX_GRID_SIDE
         if values.ndim != 2 or min(values.shape) < 2 or max(values.shape) > side:
             raise ValueError(f"heights: shape {values.shape} is not (R, C) of 2 to {side} each")
         _arrays.require_real(values, "heights")
@@ -254,7 +255,7 @@ class ViewshedGrid:
         }
 
     def _uploaded(self, steps: NDArray[np.int32]) -> Any:
-        make = _gnomon.HeightGrid  # type: ignore[attr-defined]
+        make = _gnomon.HeightGrid
         return self._device.call(make, self._device.native, np.ascontiguousarray(steps))
 
     def viewshed(
@@ -273,7 +274,7 @@ class ViewshedGrid:
         ground = self._ground
         eyes, moved = ground.eyes(places, height, target_height)
         spans = ground.spans(places, distance)
-        shape = (ground.rows.count, ground.columns.count)
+        shape = (ground.rows.size, ground.columns.size)
 
         def look(native: Any) -> tuple[NDArray[np.int64], NDArray[np.uint32]]:
             counts, words = self._device.call(native.look_from, eyes, spans, bits, progress)
