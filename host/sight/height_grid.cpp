@@ -91,10 +91,11 @@ void HeightGrid::sweep(const SightGrid& grid, bool is_along_y, int direction) {
     of.first_u = -1.0f + 0.63f * of.bin_u;  // simple quotients, which many targets have, lie inside bins
     of.bins -= 1;                           // the last one ends below 1: a ray crosses one edge of constant b per line
     of.nearest = direction * line;
+    of.vertex_of_eye = direction * vertex;
     of.direction = direction;
     const std::size_t groups = (std::size_t(of.bins) + SWEEP_BINS - 1) / SWEEP_BINS;
     session_of(device_).launch("sight/sight_sweep.cl", "sight_sweep", cl::Range::shares(groups), grid, of, heights_,
-                               block_tops_, spans_, answers_);
+                               block_tops_, answers_);
 }
 
 void HeightGrid::decide(const SightGrid& grid, bool sweeps) {

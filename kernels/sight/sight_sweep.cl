@@ -60,26 +60,34 @@ static float top_between_lines(const SightGrid grid, const SweepQuadrant of, __g
 
 typedef struct Bin {
     float top, reached;
-    float top_kept[2];  // of lines_kept[0] and lines_kept[1], the earlier one first
+    float top_kept[2];  // of the fan's lines_kept
 } Bin;
 
-// Decides the target (a, b) in a bin, if it is certain.
+// Bins side by side, and the rays between them: their u, and their places on the last line that was swept.
+typedef struct Fan {
+    int count;
+    int lines_kept[2];  // the earlier one first
+    float u[SWEEP_BINS + 1], place[SWEEP_BINS + 1];
+    Bin bins[SWEEP_BINS];
+} Fan;
+
+// Decides the target (a, b) in a bin, if it is open and the answer is certain.
 static void decide_target(const SightGrid grid, const SweepQuadrant of, __global const int* heights,
-                          __global const int* block_tops, __global const int* spans, __global uchar* answers, int a,
-                          int b, float top, const Bin* bin, int line_kept) {
+                          __global const int* block_tops, __global uchar* answers, int a, int b, float top,
+                          const Bin* bin, int line_kept) {
     long cell = of.origin + a * of.line_stride + b * of.vertex_stride;
-    int height = heights[cell], x = (int)(cell % grid.columns), y = (int)(cell / grid.columns);
-    if (height == NO_HEIGHT || x < spans[2 * y] || x >= spans[2 * y + 1]) return;
-    SightLine line = sight_line(grid, x, y, height);
-    Bounds v = bounds_of((float)line.height, 0.0f, 0.0f, (float)a - of.eye_a);
+    if (answers[cell] != SIGHT_OPEN) return;
+    int height = heights[cell];
+    Bounds v = bounds_of((float)(height + grid.target_height - grid.eye_height), 0.0f, 0.0f, (float)a - of.eye_a);
     if (bin->reached >= v.high)
         answers[cell] = SIGHT_HIDDEN;
     else if (v.low > top)
         answers[cell] = SIGHT_SEEN;
-    else if (v.low > bin->top_kept[0])
-        answers[cell] =
-            (uchar)(is_hidden(grid, heights, block_tops, of.nearest + of.direction * line_kept, &line) ? SIGHT_HIDDEN
-                                                                                                       : SIGHT_SEEN);
+    else if (v.low > bin->top_kept[0]) {
+        SightLine line = sight_line(grid, (int)(cell % grid.columns), (int)(cell / grid.columns), height);
+        int nearest = of.nearest + of.direction * line_kept;
+        answers[cell] = (uchar)(is_hidden(grid, heights, block_tops, nearest, &line) ? SIGHT_HIDDEN : SIGHT_SEEN);
+    }
 }
 
 // Takes line a into a bin between two rays, and the vertices between them.
@@ -95,54 +103,105 @@ static void add_line(const SightGrid grid, const SweepQuadrant of, __global cons
     bin->reached = fmax(bin->reached, line.low);
 }
 
-// Sweeps SWEEP_BINS bins from the eye outwards.
-static void sweep_bins(const SightGrid grid, const SweepQuadrant of, __global const int* heights,
-                       __global const int* block_tops, __global const int* spans, __global uchar* answers, int first) {
-    int count = min(SWEEP_BINS, of.bins - first), lines_kept[2] = {0, 0};
-    Bin bins[SWEEP_BINS];
-    float u[SWEEP_BINS + 1], place[SWEEP_BINS + 1], tops[SWEEP_BINS + 1];
+// The greatest height above the eye of ground or targets in the blocks under lines `first` to `last` and vertices low_b
+// to high_b.
+static float top_of_blocks(const SightGrid grid, const SweepQuadrant of, __global const int* block_tops, int first,
+                           int last, int low_b, int high_b) {
+    bool is_along_y = abs((int)of.line_stride) != 1;
+    int a = of.nearest + of.direction * first, a_end = of.nearest + of.direction * last;
+    int b = of.vertex_of_eye + of.direction * clamp(low_b, of.first_b, of.last_b);
+    int b_end = of.vertex_of_eye + of.direction * clamp(high_b, of.first_b, of.last_b), top = NO_HEIGHT;
+    for (int i = min(a, a_end) / SIGHT_BLOCK; i <= max(a, a_end) / SIGHT_BLOCK; ++i)
+        for (int j = min(b, b_end) / SIGHT_BLOCK; j <= max(b, b_end) / SIGHT_BLOCK; ++j)
+            top = max(top, block_tops[(is_along_y ? i : j) * (long)grid.block_columns + (is_along_y ? j : i)]);
+    return top == NO_HEIGHT ? LOW_HEIGHT : (float)((long)top + grid.target_height - grid.eye_height);
+}
+
+// Hides the open targets of a line between two rays.
+static void hide_targets(const SweepQuadrant of, __global uchar* answers, int a, float left_u, float right_u) {
+    float distance = (float)a - of.eye_a;
+    int b = max((int)ceil(of.eye_b + (left_u + U_SLACK) * distance), of.first_b);
+    int end = min((int)floor(of.eye_b + (right_u - U_SLACK) * distance), of.last_b);
+    long cell = of.origin + a * of.line_stride + b * of.vertex_stride;
+    for (; b <= end; ++b, cell += of.vertex_stride)
+        if (answers[cell] == SIGHT_OPEN) answers[cell] = SIGHT_HIDDEN;
+}
+
+// If the blocks under lines a to `last` lie so low that nearer ground hides all of them, hides their targets, and goes
+// on behind them: no bound changes there.
+static bool skip_lines(const SightGrid grid, const SweepQuadrant of, __global const int* block_tops,
+                       __global uchar* answers, int a, int last, Fan* fan) {
+    float near = (float)(a - 1) - of.eye_a, far = (float)last - of.eye_a;
+    if (near <= 0.0f) return false;
+    float left = of.eye_b + fan->u[0] * far, right = of.eye_b + fan->u[fan->count] * far;
+    float top = top_of_blocks(grid, of, block_tops, a - 1, last, (int)floor(fmin(fan->place[0], left)),
+                              (int)ceil(fmax(fan->place[fan->count], right)));
+    Bounds v = bounds_of(top, 0.0f, 0.0f, top > 0.0f ? near : far);
+    for (int i = 0; i < fan->count; ++i)
+        if (!(fan->bins[i].reached >= v.high)) return false;
+    for (; a <= last; ++a) hide_targets(of, answers, a, fan->u[0], fan->u[fan->count]);
+    for (int i = 0; i <= fan->count; ++i) fan->place[i] = of.eye_b + fan->u[i] * far;
+    for (int i = 0; i < fan->count; ++i) fan->bins[i].top_kept[0] = fan->bins[i].top_kept[1] = fan->bins[i].top;
+    fan->lines_kept[0] = fan->lines_kept[1] = last;
+    return true;
+}
+
+// Decides the targets of line a, and takes the line into the bins.
+static void sweep_line(const SightGrid grid, const SweepQuadrant of, __global const int* heights,
+                       __global const int* block_tops, __global uchar* answers, int a, Fan* fan) {
+    float tops[SWEEP_BINS + 1], distance = (float)a - of.eye_a;
     Bounds on_line[SWEEP_BINS + 1];
-    for (int i = 0; i <= count; ++i) {
-        u[i] = of.first_u + (float)(first + i) * of.bin_u;
-        place[i] = of.eye_b - u[i] * of.eye_a;
+    for (int i = 0; i <= fan->count; ++i) {
+        float from = fan->place[i], to = fan->place[i] = of.eye_b + fan->u[i] * distance, b = floor(to);
+        tops[i] = top_between_lines(grid, of, heights, a, from, to);
+        on_line[i] = bounds_of(height_at(grid, of, heights, a, (int)b), height_at(grid, of, heights, a, (int)b + 1),
+                               to - b, distance);
     }
-    for (int i = 0; i < count; ++i) bins[i] = (Bin){-INFINITY, -INFINITY, {-INFINITY, -INFINITY}};
+    for (int i = 0; i < fan->count; ++i) {
+        int b = (int)ceil(fan->place[i]);
+        float top = fmax(fan->bins[i].top, fmax(tops[i], tops[i + 1])), end = fan->place[i + 1];
+        for (int target = max(b, of.first_b); (float)target < end && target <= of.last_b; ++target) {
+            float at = ((float)target - of.eye_b) / distance;
+            if (at > fan->u[i] + U_SLACK && at < fan->u[i + 1] - U_SLACK)
+                decide_target(grid, of, heights, block_tops, answers, a, target, top, &fan->bins[i],
+                              fan->lines_kept[0]);
+        }
+        add_line(grid, of, heights, a, b, end, on_line[i], on_line[i + 1], top, &fan->bins[i]);
+    }
+    if (a % LINES_KEPT != 0) return;
+    for (int i = 0; i < fan->count; ++i) {
+        fan->bins[i].top_kept[0] = fan->bins[i].top_kept[1];
+        fan->bins[i].top_kept[1] = fan->bins[i].top;
+    }
+    fan->lines_kept[0] = fan->lines_kept[1];
+    fan->lines_kept[1] = a;
+}
+
+// Sweeps SWEEP_BINS bins, or as many as there are from `first` on, from the eye outwards.
+static void sweep_bins(const SightGrid grid, const SweepQuadrant of, __global const int* heights,
+                       __global const int* block_tops, __global uchar* answers, int first) {
+    Fan fan;
+    fan.count = min(SWEEP_BINS, of.bins - first);
+    fan.lines_kept[0] = fan.lines_kept[1] = 0;
+    for (int i = 0; i <= fan.count; ++i) {
+        fan.u[i] = of.first_u + (float)(first + i) * of.bin_u;
+        fan.place[i] = of.eye_b - fan.u[i] * of.eye_a;
+    }
+    for (int i = 0; i < fan.count; ++i) fan.bins[i] = (Bin){-INFINITY, -INFINITY, {-INFINITY, -INFINITY}};
     for (int a = 1; a <= of.lines; ++a) {
-        float distance = (float)a - of.eye_a;
-        for (int i = 0; i <= count; ++i) {
-            float from = place[i], to = place[i] = of.eye_b + u[i] * distance;
-            float b = floor(to);
-            tops[i] = top_between_lines(grid, of, heights, a, from, to);
-            on_line[i] = bounds_of(height_at(grid, of, heights, a, (int)b), height_at(grid, of, heights, a, (int)b + 1),
-                                   to - b, distance);
-        }
-        if (place[0] > (float)of.last_b || place[count] < (float)of.first_b) break;  // out of the grid for good
-        for (int i = 0; i < count; ++i) {
-            int b = (int)ceil(place[i]);
-            float top = fmax(bins[i].top, fmax(tops[i], tops[i + 1]));
-            for (int target = max(b, of.first_b); (float)target < place[i + 1] && target <= of.last_b; ++target) {
-                float at = ((float)target - of.eye_b) / distance;
-                if (at > u[i] + U_SLACK && at < u[i + 1] - U_SLACK)
-                    decide_target(grid, of, heights, block_tops, spans, answers, a, target, top, &bins[i],
-                                  lines_kept[0]);
-            }
-            add_line(grid, of, heights, a, b, place[i + 1], on_line[i], on_line[i + 1], top, &bins[i]);
-        }
-        if (a % LINES_KEPT != 0) continue;
-        for (int i = 0; i < count; ++i) {
-            bins[i].top_kept[0] = bins[i].top_kept[1];
-            bins[i].top_kept[1] = bins[i].top;
-        }
-        lines_kept[0] = lines_kept[1];
-        lines_kept[1] = a;
+        int last = min(a + SIGHT_BLOCK - 1, of.lines);
+        if (a % SIGHT_BLOCK == 1 && skip_lines(grid, of, block_tops, answers, a, last, &fan))
+            a = last;
+        else
+            sweep_line(grid, of, heights, block_tops, answers, a, &fan);
+        if (fan.place[0] > (float)of.last_b || fan.place[fan.count] < (float)of.first_b) break;  // out of the grid
     }
 }
 
 __kernel void sight_sweep(const SightGrid grid, const SweepQuadrant of, __global const int* heights,
-                          __global const int* block_tops, __global const int* spans,
-                          __global uchar* answers GN_SHARES) {
+                          __global const int* block_tops, __global uchar* answers GN_SHARES) {
     size_t groups = ((size_t)of.bins + SWEEP_BINS - 1) / SWEEP_BINS;
     GN_FOR_EACH_OF(i, GN_SHARED_RANGE(groups))
-    sweep_bins(grid, of, heights, block_tops, spans, answers, (int)i * SWEEP_BINS);
+    sweep_bins(grid, of, heights, block_tops, answers, (int)i * SWEEP_BINS);
     GN_END_SHARES;
 }

@@ -2,10 +2,11 @@
 // Contract of the sweep, which decides most cells of a grid from one eye without following their lines of sight.
 //
 // Seen from the eye, a quadrant is a fan of rays that meet its lines a = 1, 2, ... (columns or rows). The rays divide
-// it into bins about a cell wide at their far end. With u = b / a, v = height / a (a, b, height from the eye) an edge
-// of the grid is a straight segment of the (u, v) plane, and a target is hidden if a nearer segment is not below it. A
-// bin keeps two bounds over all u in it: `top`, which no nearer ground exceeds, and `reached`, which some nearer ground
-// reaches at every u. A target that is neither above the first nor below the second stays open. docs/viewshed.md.
+// it into bins at most a cell wide at their far end, so that in the bin of a target its line has no vertex but the
+// target. With u = b / a, v = height / a (a, b, height from the eye) an edge of the grid is a straight segment of the
+// (u, v) plane, and a target is hidden if a nearer segment is not below it. A bin keeps two bounds over all u in it:
+// `top`, which no nearer ground exceeds, and `reached`, which some nearer ground reaches at every u. A target that is
+// neither above the first nor below the second stays open (docs/viewshed.md).
 #pragma once
 
 #include "sight/sight_lines.h"
@@ -24,5 +25,6 @@ GN_STRUCT_BEGIN(SweepQuadrant)
     float first_u, bin_u;  // bin i reaches from first_u + i * bin_u to first_u + (i + 1) * bin_u
     int nearest;           // x or y of line 0
     int direction;         // 1: x or y grows with a; -1
-    int padding[2];
+    int vertex_of_eye;     // y or x of vertex 0
+    int padding;
 GN_STRUCT_END(SweepQuadrant, 72)

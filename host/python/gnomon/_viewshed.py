@@ -27,8 +27,8 @@ _LIMIT = _gnomon.MAX_GRID_HEIGHT
 class Viewshed(NamedTuple):
     """What M observers see of a raster; arrays have its shape (R, C), or (words, R, C).
 
-    counts: int64, the number of observers that see the cell; 0 where the raster has no data.
-    undecided: int64, the number of observers that may see it, depending on what stands where there is no data; 0 unless
+    counts: uint32, the number of observers that see the cell; 0 where the raster has no data.
+    undecided: uint32, the number of observers that may see it, depending on what stands where there is no data; 0 unless
         viewshed() was given outside=.
     is_absent: bool, where the raster has no data.
     bits, undecided_bits: uint32 (ceil(M / 32), R, C), or None unless asked for: observer i is bit i % 32 of plane
@@ -37,8 +37,8 @@ class Viewshed(NamedTuple):
     record: what was computed: refraction, radius, the step of heights, and by how much observers and heights moved.
     """
 
-    counts: NDArray[np.int64]
-    undecided: NDArray[np.int64]
+    counts: NDArray[np.uint32]
+    undecided: NDArray[np.uint32]
     is_absent: NDArray[np.bool_]
     bits: NDArray[np.uint32] | None
     undecided_bits: NDArray[np.uint32] | None
@@ -91,28 +91,52 @@ def _per_observer(value: Any, count: int, name: str) -> NDArray[np.float64]:
     return np.broadcast_to(values, (count,))
 
 
+def _parts_of(rows: int) -> list[slice]:
+    return [slice(first, min(first + 64, rows)) for first in range(0, rows, 64)]
+
+
+def _extremes_of(heights: NDArray[Any]) -> tuple[float, float]:
+    """The least and the greatest finite height. Raises ValueError if there is none."""
+    low, high = math.inf, -math.inf
+    for rows in _parts_of(len(heights)):
+        part = heights[rows]
+        is_there = np.isfinite(part)
+        low = min(low, float(part.min(where=is_there, initial=np.inf)))
+        high = max(high, float(part.max(where=is_there, initial=-np.inf)))
+    if low > high:
+        raise ValueError("heights: there is none")
+    return low, high
+
+
 class _Ground:
     """A raster, north up, in whole steps of heights below a common bending; and the same where nodata is filled."""
 
     def __init__(
-        self, heights: NDArray[np.float64], rows: _Axis, columns: _Axis, per_square: float, lattice: float | None
+        self, heights: NDArray[Any], rows: _Axis, columns: _Axis, per_square: float, lattice: float | None
     ) -> None:
         self.rows, self.columns = rows, columns
         x, y = columns.places(), rows.places()
         self._centre = (x[0] + x[-1]) / 2, (y[0] + y[-1]) / 2
         self._per_square = per_square
-        bent = heights - self.drop(x[None, :], y[:, None])
-        is_there = np.isfinite(bent)
-        if not is_there.any():
-            raise ValueError("heights: there is none")
-        low, high = float(bent[is_there].min()), float(bent[is_there].max())
+        low, high = _extremes_of(heights)
+        low -= float(self.drop(x[0], y[0]))  # the deepest
         self.exponent = _exponent_of(lattice, high - low)
         self.base = math.floor((low + high) / 2)
-        steps = np.floor(np.ldexp(bent - self.base, -self.exponent) + 0.5)
-        self.steps = np.where(is_there, steps, _NONE).astype(np.int32)
-        self.is_absent = ~is_there
-        moved = np.abs(np.ldexp(steps, self.exponent) - (bent - self.base))
-        self.largest_move = float(moved[is_there].max())
+        self.steps = np.empty(heights.shape, np.int32)
+        self.is_absent = np.empty(heights.shape, bool)
+        self.largest_move = 0.0
+        for rows_of_part in _parts_of(rows.size):  # parts stay in the processor's cache
+            bent = heights[rows_of_part].astype(np.float64)
+            bent -= self.base
+            if per_square:
+                bent -= self.drop(x[None, :], y[rows_of_part, None])
+            steps = np.floor(np.ldexp(bent, -self.exponent) + 0.5)
+            is_there = np.isfinite(bent)
+            moved = np.abs(np.ldexp(steps, self.exponent) - bent)
+            self.largest_move = max(self.largest_move, float(moved.max(where=is_there, initial=0)))
+            self.is_absent[rows_of_part] = ~is_there
+            steps[~is_there] = _NONE
+            self.steps[rows_of_part] = steps
 
     def drop(self, x: Any, y: Any) -> Any:
         """The depth of the bending: the Earth's curvature less refraction around the raster's centre."""
@@ -239,9 +263,12 @@ class ViewshedGrid:
             raise ValueError("cell: must be above 0")
         columns = _axis_of(x, values.shape[1], "x", float(width))
         rows = _axis_of(y, values.shape[0], "y", -float(depth))
-        there = np.where(values == nodata, np.nan, values) if nodata is not None else values
+        if values.dtype.kind != "f":
+            values = values.astype(np.float64)
+        if nodata is not None:
+            values = np.where(values == nodata, np.nan, values)
         per_square = 0.0 if refraction is None else (1 - refraction) / (2 * radius)
-        self._ground = _Ground(_turned(there, rows, columns).astype(np.float64), rows, columns, per_square, lattice)
+        self._ground = _Ground(_turned(values, rows, columns), rows, columns, per_square, lattice)
         self._device = (
             device if isinstance(device, Device) else default_device() if device is None else open_device(device)
         )
@@ -276,10 +303,10 @@ class ViewshedGrid:
         spans = ground.spans(places, distance)
         shape = (ground.rows.size, ground.columns.size)
 
-        def look(native: Any) -> tuple[NDArray[np.int64], NDArray[np.uint32]]:
+        def look(native: Any) -> tuple[NDArray[np.uint32], NDArray[np.uint32]]:
             counts, words = self._device.call(native.look_from, eyes, spans, bits, progress)
             return (
-                _turned(counts.reshape(shape).astype(np.int64), ground.rows, ground.columns),
+                _turned(counts.reshape(shape), ground.rows, ground.columns),
                 _turned(words.reshape(-1, *shape), ground.rows, ground.columns),
             )
 
@@ -288,7 +315,7 @@ class ViewshedGrid:
         if outside is not None and ground.is_absent.any():
             certain, certain_words = look(self._filled(float(outside)))
             is_there = ~_turned(ground.is_absent, ground.rows, ground.columns)
-            certain, certain_words = certain * is_there, certain_words * is_there.astype(np.uint32)
+            certain, certain_words = certain * is_there.astype(np.uint32), certain_words * is_there.astype(np.uint32)
             undecided, open_words = counts - certain, words & ~certain_words
             counts, words = certain, certain_words
         absent = _turned(ground.is_absent, ground.rows, ground.columns)

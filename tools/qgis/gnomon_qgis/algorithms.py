@@ -69,7 +69,7 @@ class _Algorithm(QgsProcessingAlgorithm):
         layer = self.parameterAsRasterLayer(parameters, self.HEIGHTS, context)
         file = layer.source() if layer is not None else ""
         if not Path(file).exists():
-            raise QgsProcessingException(f"Heights: {file or 'the layer'} is no raster file: export it as GeoTIFF first")
+            raise QgsProcessingException(f"Heights: {file or 'the layer'} is no file: export it as GeoTIFF first")
         return layer, file
 
     def _style(self, context, output, style):
