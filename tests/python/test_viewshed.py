@@ -27,9 +27,12 @@ def rasters():
 
 
 RASTERS = rasters()
-#: Columns, rows, steps above the ground (rounded up): at cells, on edges, inside squares, at the border.
-PLACES = [(6, 5, 1), (0, 0, 1500), (9, 8, 700), (Fraction(25, 4), 5, 900), (Fraction(11, 2), Fraction(9, 2), 1),
-          (Fraction(1405, 256), Fraction(1409, 256), 5000), (9, Fraction(7, 3), 300)]  # fmt: skip
+#: Columns, rows, steps above the ground (rounded up): at cells (once at a level, so that lines touch the ground), on
+#: edges, inside squares, at the border.
+PLACES = [
+    (6, 5, 1), (6, 5, 1024), (0, 0, 1500), (9, 8, 700), (Fraction(25, 4), 5, 900), (Fraction(11, 2), Fraction(9, 2), 1),
+    (Fraction(1405, 256), Fraction(1409, 256), 5000), (9, Fraction(7, 3), 300),
+]  # fmt: skip
 
 
 def as_rows(steps):

@@ -28,8 +28,8 @@ class Viewshed(NamedTuple):
     """What M observers see of a raster; arrays have its shape (R, C), or (words, R, C).
 
     counts: uint32, the number of observers that see the cell; 0 where the raster has no data.
-    undecided: uint32, the number of observers that may see it, depending on what stands where there is no data; 0 unless
-        viewshed() was given outside=.
+    undecided: uint32, the number of observers that may see it, depending on what stands where there is no data; 0
+        unless viewshed() was given outside=.
     is_absent: bool, where the raster has no data.
     bits, undecided_bits: uint32 (ceil(M / 32), R, C), or None unless asked for: observer i is bit i % 32 of plane
         i // 32.
