@@ -54,9 +54,12 @@ class Raster:
         self.place = self.x[self.eye[1]], self.y[self.eye[0]]
 
 
+def grid_of(raster):
+    return gnomon.ViewshedGrid(raster.heights, x=raster.x, y=raster.y, radius=RADIUS)
+
+
 def by_gnomon(raster):
-    grid = gnomon.ViewshedGrid(raster.heights, x=raster.x, y=raster.y, radius=RADIUS)
-    return grid.viewshed(raster.place, height=HEIGHT).counts > 0
+    return grid_of(raster).viewshed(raster.place, height=HEIGHT).counts > 0
 
 
 def by_gdal(raster):
@@ -121,8 +124,9 @@ def is_seen(steps, eye, cell, surface):
 
 
 def judge(raster, mine, theirs, count, rng):
-    """Of `count` differing cells: how many surfaces of three agree with gnomon, per cell; and the cells."""
-    steps = np.floor(np.ldexp(bent(raster), 10) + 0.5).astype(np.int64)
+    """Of `count` differing cells: the cells; how many surfaces of three agree with gnomon; the heights, rounded as
+    gnomon rounds them, in steps of 2^-10 m."""
+    steps = grid_of(raster)._ground.steps.astype(np.int64)
     r, c = raster.eye
     eye = r, c, int(steps[r, c]) + round(HEIGHT * 1024)
     cells = np.argwhere(mine != theirs)

@@ -28,13 +28,13 @@ HeightGrid::HeightGrid(const Device& device, std::span<const std::int32_t> heigh
             "heights: must be below 2^25 steps");
     grid_.columns = int(columns);
     grid_.rows = int(heights.size() / columns);
-    grid_.block_columns = (grid_.columns + SIGHT_BLOCK - 1) / SIGHT_BLOCK;
-    grid_.block_rows = (grid_.rows + SIGHT_BLOCK - 1) / SIGHT_BLOCK;
+    grid_.patch_columns = (grid_.columns + SIGHT_PATCH - 1) / SIGHT_PATCH;
+    grid_.patch_rows = (grid_.rows + SIGHT_PATCH - 1) / SIGHT_PATCH;
     cl::Session& session = session_of(device_);
     session.upload(heights_, heights);
-    const std::size_t blocks = std::size_t(grid_.block_columns) * std::size_t(grid_.block_rows);
-    block_tops_.reserve(session, blocks * sizeof(cl_int));
-    session.launch(lines_file, "sight_blocks", cl::Range::items(blocks), grid_, heights_, block_tops_);
+    const std::size_t patches = std::size_t(grid_.patch_columns) * std::size_t(grid_.patch_rows);
+    patch_tops_.reserve(session, patches * sizeof(cl_int));
+    session.launch(lines_file, "sight_patches", cl::Range::items(patches), grid_, heights_, patch_tops_);
 }
 
 // Opens the targets.
@@ -84,18 +84,18 @@ void HeightGrid::sweep(const SightGrid& grid, bool is_along_y, int direction) {
     if (of.lines <= 0) return;
     of.first_b = (direction > 0 ? 0 : -last_vertex) - vertex;
     of.last_b = (direction > 0 ? last_vertex : 0) - vertex;
-    of.bins = std::max(2 * of.lines, 64);
+    of.wedges = std::max(2 * of.lines, 64);
     of.eye_a = float(eye_a - line * SUBCELLS) / SUBCELLS;
     of.eye_b = float(eye_b - vertex * SUBCELLS) / SUBCELLS;
-    of.bin_u = 2.0f / float(of.bins);
-    of.first_u = -1.0f + 0.63f * of.bin_u;  // simple quotients, which many targets have, lie inside bins
-    of.bins -= 1;                           // the last one ends below 1: a ray crosses one edge of constant b per line
+    of.wedge_u = 2.0f / float(of.wedges);
+    of.first_u = -1.0f + 0.63f * of.wedge_u;  // simple quotients, which many targets have, lie inside wedges
+    of.wedges -= 1;  // the last one ends below 1: a ray crosses one edge of constant b per line
     of.nearest = direction * line;
     of.vertex_of_eye = direction * vertex;
     of.direction = direction;
-    const std::size_t groups = (std::size_t(of.bins) + SWEEP_BINS - 1) / SWEEP_BINS;
+    const std::size_t groups = (std::size_t(of.wedges) + SWEEP_WEDGES - 1) / SWEEP_WEDGES;
     session_of(device_).launch("sight/sight_sweep.cl", "sight_sweep", cl::Range::shares(groups), grid, of, heights_,
-                               block_tops_, answers_);
+                               patch_tops_, answers_);
 }
 
 void HeightGrid::decide(const SightGrid& grid, bool sweeps) {
@@ -103,7 +103,7 @@ void HeightGrid::decide(const SightGrid& grid, bool sweeps) {
         for (const bool is_along_y : {false, true})
             for (const int direction : {1, -1}) sweep(grid, is_along_y, direction);
     const std::size_t targets = std::size_t(grid.last_row - grid.first_row) * std::size_t(grid.columns);
-    session_of(device_).launch(lines_file, "sight_decide", cl::Range::shares(targets), grid, heights_, block_tops_,
+    session_of(device_).launch(lines_file, "sight_decide", cl::Range::shares(targets), grid, heights_, patch_tops_,
                                answers_);
 }
 
@@ -116,7 +116,7 @@ std::vector<std::int32_t> HeightGrid::least_heights(const Eye& eye, Spans spans)
     const SightGrid grid = begin(eye, spans);
     cl::Session& session = session_of(device_);
     const cl::Buffer least(session, cells() * sizeof(cl_int));
-    session.launch(lines_file, "sight_heights", cl::Range::shares(cells()), grid, heights_, block_tops_, answers_,
+    session.launch(lines_file, "sight_heights", cl::Range::shares(cells()), grid, heights_, patch_tops_, answers_,
                    least);
     return session.read_values<std::int32_t>(least.get(), cells());
 }

@@ -51,7 +51,7 @@ private:
 
     Device device_;
     SightGrid grid_{};
-    cl::Buffer heights_, block_tops_, spans_, answers_;
+    cl::Buffer heights_, patch_tops_, spans_, answers_;
 };
 
 }  // namespace gnomon

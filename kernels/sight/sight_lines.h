@@ -26,8 +26,8 @@
 // A target is raised up to this height above the eye: a weight times it has at most 62 bits.
 #define HIGHEST_TARGET (1L << 31)
 
-// Blocks of the grid have SIGHT_BLOCK x SIGHT_BLOCK squares, and a table has the greatest height of a vertex of each.
-#define SIGHT_BLOCK 16
+// Patches of the grid have SIGHT_PATCH x SIGHT_PATCH squares, and a table has the greatest height of a vertex of each.
+#define SIGHT_PATCH 16
 
 // What is known of a cell.
 #define SIGHT_HIDDEN 0u
@@ -37,7 +37,7 @@
 
 GN_STRUCT_BEGIN(SightGrid)
     int columns, rows;
-    int block_columns, block_rows;
+    int patch_columns, patch_rows;
     int eye_x, eye_y;                                    // sub-cells
     int eye_height;                                      // steps
     int target_height;                                   // steps above the ground

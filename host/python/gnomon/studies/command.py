@@ -67,7 +67,7 @@ def _add_viewshed(commands: Any) -> None:
     parser = commands.add_parser("viewshed", help="write which cells of a raster observers see (docs/viewshed.md)")
     parser.add_argument("raster", help="a GeoTIFF of heights, or a pattern such as 'tiles/*.tif', on one grid")
     parser.add_argument(
-        "observers", help="x,y on the map, or a .csv file with the columns x, y and perhaps height"
+        "observers", help="x,y on the map (after -- if x is below 0), or a .csv file: columns x, y, perhaps height"
     )
     parser.add_argument("output", type=Path, help="the GeoTIFF that is written")
     parser.add_argument("--what", choices=WHAT, help="default: seen for one observer, else counts")
@@ -86,7 +86,10 @@ def _add_viewshed(commands: Any) -> None:
 
 
 def _refraction(text: str) -> float | None:
-    return None if text == "plane" else float(text)
+    try:
+        return None if text == "plane" else float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is neither a number nor 'plane'") from None
 
 
 def _viewshed(options: argparse.Namespace) -> int:
