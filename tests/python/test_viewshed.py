@@ -179,6 +179,7 @@ def test_the_distance_is_a_circle_on_the_map():
     found = flat.viewshed(place, distance=20).counts
     x, y = np.meshgrid(3.0 * np.arange(31), 2.0 * np.arange(40, -1, -1))
     assert (found == ((x - place[0]) ** 2 + (y - place[1]) ** 2 <= 400)).all() and 0 < found.sum() < found.size
+    assert not flat.viewshed(place + 0.5, distance=0.25).counts.any(), "no cell's centre is so near"
 
 
 def test_curvature_is_one_bending_for_all_observers():
