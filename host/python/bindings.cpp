@@ -18,6 +18,7 @@
 #include "lights/whole_weights.hpp"
 #include "lit_fractions.hpp"
 #include "scene/number_table.hpp"
+#include "sight/height_grid.hpp"
 
 #ifdef GNOMON_PYTHON_GLTF
 #include "scene/scene.hpp"
@@ -32,6 +33,7 @@ using Released = nb::call_guard<nb::gil_scoped_release>;
 using Floats = nb::ndarray<const float, nb::c_contig, nb::device::cpu>;
 using Doubles = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
 using Bytes = nb::ndarray<const std::uint8_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+using Integers = nb::ndarray<const std::int32_t, nb::c_contig, nb::device::cpu>;
 using Ids = nb::ndarray<const std::uint32_t, nb::c_contig, nb::device::cpu>;
 using Integers = nb::ndarray<const std::int32_t, nb::c_contig, nb::device::cpu>;
 
@@ -459,6 +461,48 @@ void bind_lit_fractions(nb::module_& m) {
           });
 }
 
+std::vector<gnomon::Eye> eyes_of(const Integers& rows) {
+    std::vector<gnomon::Eye> eyes;
+    for (std::size_t i = 0; i + 4 <= rows.size(); i += 4) {
+        const std::int32_t* const row = rows.data() + i;
+        eyes.push_back({row[0], row[1], row[2], row[3]});
+    }
+    return eyes;
+}
+
+// Eyes are rows of four: x, y, height, the targets' height.
+void bind_sight(nb::module_& m) {
+    using gnomon::HeightGrid;
+    m.attr("SUBCELLS") = SUBCELLS;
+    m.attr("MAX_GRID_SIDE") = MAX_GRID_SIDE;
+    m.attr("MAX_GRID_HEIGHT") = MAX_GRID_HEIGHT;
+    m.attr("NO_HEIGHT") = NO_HEIGHT;
+    nb::class_<HeightGrid>(m, "HeightGrid")
+        .def(
+            "__init__",
+            [](HeightGrid* self, const gnomon::Device& device, const Integers& heights) {
+                new (self) HeightGrid(device, span_of(heights), std::uint32_t(heights.shape(1)));
+            },
+            Released())
+        .def("look",
+             [](HeightGrid& grid, const Integers& eye, const Integers& spans, bool sweeps) {
+                 return row_of(released([&] { return grid.look(eyes_of(eye).at(0), span_of(spans), sweeps); }));
+             })
+        .def("least_heights",
+             [](HeightGrid& grid, const Integers& eye, const Integers& spans) {
+                 return row_of(released([&] { return grid.least_heights(eyes_of(eye).at(0), span_of(spans)); }));
+             })
+        .def(
+            "look_from",
+            [](HeightGrid& grid, const Integers& eyes, const Integers& spans, bool wants_words,
+               const std::optional<nb::callable>& progress) {
+                HeightGrid::Seen seen = released(
+                    [&] { return grid.look_from(eyes_of(eyes), span_of(spans), wants_words, progress_of(progress)); });
+                return nb::make_tuple(row_of(std::move(seen.counts)), row_of(std::move(seen.words)));
+            },
+            "eyes"_a, "spans"_a, "wants_words"_a, "progress"_a.none());
+}
+
 void bind_views(nb::module_& m) {
     using gnomon::Camera;
     using gnomon::View;
@@ -667,6 +711,7 @@ NB_MODULE(_gnomon, m) {
     bind_made_lights(m);
     bind_lattice(m);
     bind_lit_fractions(m);
+    bind_sight(m);
     bind_views(m);
     bind_pictures(m);
     bind_scenes(m);

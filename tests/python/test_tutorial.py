@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Python in README.md, docs/python.md and docs/integrations.md: each section is a program of its own, so that a copy of
-it runs. Its blocks run one after the other. (docs/studies.md: tests/python/study/test_outputs.py.)"""
+it runs. Its blocks run one after the other. (docs/studies.md, viewshed.md: tests/python/study/test_outputs.py,
+test_viewshed_command.py.)"""
 
 import importlib
 import re
@@ -34,7 +35,7 @@ NEEDED = {
 
 def test_all_pages_with_python_are_run():
     pages = [p for p in [*ROOT.glob("docs/*.md"), *ROOT.glob("*.md")] if "```python" in p.read_text()]
-    assert sorted(p.name for p in pages) == ["README.md", "integrations.md", "python.md", "studies.md"]
+    assert sorted(p.name for p in pages) == ["README.md", "integrations.md", "python.md", "studies.md", "viewshed.md"]
     assert len(SECTIONS) == 8
 
 

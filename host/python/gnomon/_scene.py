@@ -18,6 +18,7 @@ from . import _arrays, _cut_outs, _gnomon, _lights, _meshes
 from . import _lattice as _world
 from ._devices import Device, default_device, device_of_queue, open_device
 from ._side import EXACT, Side, Technique, VertexSide
+from ._visible_from import VisibleFrom, visible_from
 
 if TYPE_CHECKING:
     from typing import TypedDict, overload
@@ -630,6 +631,32 @@ class Scene:
             is_over.set()  # Ctrl-C: the device's thread stops at its next report
             raise
         return _lights.result_of(parts, positions.shape[:-1], bits, len(table))
+
+    def visible_from(
+        self,
+        observers: ArrayLike,
+        points: ArrayLike | None = None,
+        *,
+        height: float = 0.0,
+        target_height: float = 0.0,
+        distance: float | None = None,
+        up: ArrayLike = (0, 0, 1),
+        side: Side | VertexSide | None = None,
+        progress: Callable[[float], object] | None = None,
+    ) -> VisibleFrom:
+        """Which points each observer sees: a line of sight is a shadow ray to a lamp at the observer's eye, so each
+        answer is that of lit() with this lamp. (Rasters alone: gnomon.viewshed(), which takes far less time.)
+
+        observers: (M, 3) where they stand. points: (..., 3) what is looked at; None: the corners of the scene's
+        triangles, (F, 3), as Side.vertices() has them.
+        height, target_height: eyes and targets lie this far above observers and points, along `up`.
+        distance: points farther away, measured across `up`, are not seen.
+        side: the surface's side that points belong to, as in lit(); with target_height=0 alone.
+        progress: as in lit_by().
+
+        Returns VisibleFrom: counts and bits. Raises ValueError with the argument's name and the first bad row.
+        """
+        return visible_from(self, observers, points, height, target_height, distance, up, side, progress)
 
     def _local(self, flat: NDArray[Any], normals: NDArray[np.float64] | None = None) -> NDArray[np.float32]:
         """Points relative to the lattice's origin, lifted along the normals, if there are any; without a lattice points
