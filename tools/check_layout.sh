@@ -157,13 +157,15 @@ fi
 lines_of '^CONTRIBUTING\.md$' | awk '$1 > 120 { print $2 ": " $1 " lines" }' |
     complain 'CONTRIBUTING.md has at most 120 lines'
 files_matching '^docs/.*\.md$' | xargs -0 -r awk '
-    FILENAME !~ /^docs\/(notebook\/|(numerics|python|studies|embedding|gltf)\.md$)/ { words += NF }
+    FILENAME !~ /^docs\/(notebook\/|(numerics|python|studies|embedding|gltf|view)\.md$)/ { words += NF }
+    FILENAME == "docs/view.md" { words_of_view += NF }
     FILENAME == "docs/many_lights.md" { words_of_many_lights += NF }
     FILENAME == "docs/performance.md" { ++lines }
     END { if (words > 8300) print "docs: " words " words"
+          if (words_of_view > 700) print "docs/view.md: " words_of_view " words"
           if (words_of_many_lights > 1500) print "docs/many_lights.md: " words_of_many_lights " words"
           if (lines > 150) print "docs/performance.md: " lines " lines" }' |
-    complain 'docs/ without numerics.md, gltf.md, the tutorials and the notebook has at most 8300 words, docs/many_lights.md at most 1500, docs/performance.md at most 150 lines'
+    complain 'docs/ without numerics.md, gltf.md, the tutorials and the notebook has at most 8300 words, docs/many_lights.md at most 1500, docs/view.md 700, docs/performance.md at most 150 lines'
 
 # README and CONTRIBUTING are true: what they name is there.
 for page in README.md CONTRIBUTING.md; do

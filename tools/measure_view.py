@@ -14,6 +14,7 @@ import re
 import resource
 import statistics
 import subprocess
+import tempfile
 import threading
 import time
 import urllib.parse
@@ -86,8 +87,10 @@ def main() -> None:
     parser.add_argument("--binary", default=os.path.join(os.path.dirname(__file__), "..", "build", "gnomon"))
     options = parser.parse_args()
 
-    render = [options.binary, "render", options.scene, "--size", options.size, "-o", "/dev/null", "--quiet"]
-    subprocess.run(render, check=True)
+    with tempfile.TemporaryDirectory() as folder:
+        picture = os.path.join(folder, "view.png")
+        render = [options.binary, "render", options.scene, "--size", options.size, "-o", picture, "--quiet"]
+        subprocess.run(render, check=True)
     render_bytes = 1024 * resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss
 
     load = os.getloadavg()[0]
@@ -99,8 +102,11 @@ def main() -> None:
         client = Client(port, token)
         facts, _ = client.get("frame.jpg", size=options.size)
         figures = {"load": load, "first_picture_s": time.monotonic() - began}
+        figures["memory_first_mib"] = (peak_bytes(server.pid) - render_bytes) / 2**20
         figures |= turn(port, token, facts["camera"], options.size, options.seconds)
+        figures["memory_turning_mib"] = (peak_bytes(server.pid) - render_bytes) / 2**20
         width, height = (int(side) for side in options.size.split("x"))
+        client = Client(port, token)  # the server has closed the idle one
         asked = []
         for i in range(12):
             sent = time.monotonic()

@@ -185,30 +185,36 @@ function chooseRival(name) {
 
 // ---- Ask ----
 
+// What is said of a pixel stands in the panel and in the picture, which a panel on a phone leaves more room.
+function sayAnswer(text) {
+  byId('answer').textContent = text || 'Click a pixel: why is it lit, or dark?';
+  byId('bubble').textContent = text;
+  byId('bubble').hidden = !text;
+}
 // Explains the pixel at these parts of the picture's width and height.
 async function explain(x, y) {
   const [width, height] = fullSize();
   const column = Math.min(width - 1, Math.floor(x * width)), row = Math.min(height - 1, Math.floor(y * height));
   const parameters = {...parametersOf(levels.sharp), pixel: `${column},${row}`};
-  byId('answer').textContent = `pixel ${column},${row} ...`;
+  sayAnswer(`Pixel ${column},${row} ...`);
   try {
     const facts = await (await ask('explain', parameters)).json();
     Object.assign(asked, {facts, width, height});
     const decided = facts.is_absent ? '' : ` Decided by the stage ${facts.stage}, arithmetic: ${facts.arithmetic}.`;
     const what = facts.is_absent ? 'the sky' : facts.is_lit ? 'lit' : 'in shadow';
-    byId('answer').textContent = `Pixel ${column},${row}: ${what}. ${facts.reason}.${decided}`;
+    sayAnswer(`Pixel ${column},${row}: ${what}. ${facts.reason}.${decided}`);
     byId('explanation').textContent = facts.text;
     byId('explanation').hidden = false;
     byId('copy-explain').disabled = byId('clear').disabled = false;
   } catch (error) {
     if (error.status === undefined) return lost();
-    byId('answer').textContent = error.message;
+    sayAnswer(error.message);
   }
   draw();
 }
 function clearAnswer() {
   asked.facts = null;
-  byId('answer').textContent = 'Click a pixel: why is it lit, or dark?';
+  sayAnswer('');
   byId('explanation').hidden = true;
   byId('copy-explain').disabled = byId('clear').disabled = true;
   draw();

@@ -171,6 +171,11 @@ struct PageServer::Inside {
         http.set_keep_alive_max_count(std::numeric_limits<std::size_t>::max());
         http.set_keep_alive_timeout(patience_s).set_read_timeout(patience_s).set_write_timeout(patience_s);
         http.set_payload_max_length(0).set_tcp_nodelay(true);
+        // Not the port of another server: cpp-httplib would share it (SO_REUSEPORT).
+        http.set_socket_options([](socket_t socket) {
+            const int yes = 1;
+            setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+        });
         http.set_pre_routing_handler([this](const Request& request, Response& response) {
             return refuses(request, response) ? httplib::Server::HandlerResponse::Handled
                                               : httplib::Server::HandlerResponse::Unhandled;

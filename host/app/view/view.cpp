@@ -10,7 +10,6 @@
 #include <cstdlib>
 #include <fstream>
 
-#include "../pictures.hpp"
 #include "../terminal.hpp"
 #include "server.hpp"
 
@@ -58,7 +57,6 @@ void open_browser(const fs::path& file) {
 
 void view(const PageOptions& options) {
     if (options.scene && !std::ifstream(*options.scene)) throw Error("cannot read " + options.scene->string());
-    require_openimageio();
     Worker worker(options);
     PageServer server(options, worker);
     if (!is_loopback(options.host))
