@@ -55,9 +55,12 @@ def test_frames_are_those_of_render(sundial: Server, tmp_path: Path, more: dict[
     same_as_render(sundial, tmp_path, **VIEW, **more)
 
 
-def test_the_scenes_own_view_is_that_of_render(sundial: Server, tmp_path: Path) -> None:
-    wide = same_as_render(sundial, tmp_path, size="160x90")
-    assert same_as_render(sundial, tmp_path, size="90x160") != wide
+@pytest.mark.parametrize("server", ["sundial", "moving"])  # with a camera, and without
+def test_the_scenes_own_view_is_that_of_render(server: str, request: pytest.FixtureRequest, tmp_path: Path) -> None:
+    started = request.getfixturevalue(server)
+    for size in ("160x90", "90x160", "160x90"):
+        same_as_render(started, tmp_path, size=size)
+    same_as_render(started, tmp_path, size="160x90", fovy="20")
 
 
 def test_frames_with_a_prepared_light_are_those_of_render(sundial: Server, tmp_path: Path) -> None:
