@@ -273,7 +273,7 @@ void add_technique_options(CLI::App& app, RenderOptions& options) {
         name(), into(options.diagnostic));
     for (const auto& [key, type] : {std::pair("conservative-map", "on|off|auto"), std::pair("map-size", "N|auto")})
         add(std::string("--") + key, type, std::string("Short for --set ") + key + "=...", name(),
-            [&options, key](const std::string& value) { options.settings.emplace_back(key, value); });
+            [&options, key = key](const std::string& value) { options.settings.emplace_back(key, value); });
     require(app, {{"--area-samples", "--area-light"}});
     exclude(app, "--area-light", {"--sun-angle", "--diagnostic"});
     exclude(app, "--sun-angle", {"--diagnostic"});

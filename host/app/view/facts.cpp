@@ -100,6 +100,7 @@ ordered_json scene_facts(const PageOptions& page, const scene::Scene& scene, con
 
 ordered_json explanation_facts(const Explained& explained, const ChosenCamera& camera) {
     const Explanation& e = explained.explanation;
+    const bool was_near = e.stage != "facing" && e.arithmetic != "filter";  // as the text has them
     return {{"text", text_of(explained)},
             {"reason", reason(e)},
             {"is_lit", e.is_lit()},
@@ -110,7 +111,7 @@ ordered_json explanation_facts(const Explained& explained, const ChosenCamera& c
             {"position", e.position},
             {"receiver", triangles_json({e.on_receiver})},
             {"occluders", triangles_json(e.occluders)},
-            {"near_misses", triangles_json(e.near_misses)},
+            {"near_misses", was_near ? triangles_json(e.near_misses) : ordered_json::array()},
             {"light", light_json(explained.light.light)},
             {"camera", camera_facts(camera)}};
 }

@@ -202,7 +202,7 @@ async function explain(x, y) {
     Object.assign(asked, {facts, width, height});
     const decided = facts.is_absent ? '' : ` Decided by the stage ${facts.stage}, arithmetic: ${facts.arithmetic}.`;
     const what = facts.is_absent ? 'the sky' : facts.is_lit ? 'lit' : 'in shadow';
-    sayAnswer(`Pixel ${column},${row}: ${what}. ${facts.reason}.${decided}`);
+    sayAnswer(`Pixel ${column},${row}: ${what}: ${facts.reason}.${decided}`);
     byId('explanation').textContent = facts.text;
     byId('explanation').hidden = false;
     byId('copy-explain').disabled = byId('clear').disabled = false;
