@@ -45,14 +45,14 @@ def main() -> None:
         driver.set_window_size(880, 500)
         driver.execute_script("look.samples = 4; clearAnswer(); byId('day').value = '2026-06-21'; return loadSuns()")
         frames = []
-        for hour in range(10, 86, 3):
+        for hour in range(10, 86, 4):
             driver.execute_script(f"byId('hour').value = {hour}; showHour()")
             time.sleep(0.2)
             wait.until(lambda d: d.execute_script(still))
             data = driver.execute_script("return picture.toDataURL('image/png').split(',')[1]")
             frame = Image.open(io.BytesIO(base64.b64decode(data))).convert("RGB")
             frames.append(frame.resize((400, 400 * frame.height // frame.width), Image.Resampling.LANCZOS))
-        frames[0].save(folder / "view_day.webp", save_all=True, append_images=frames[1:], duration=90, loop=0, quality=60)
+        frames[0].save(folder / "view_day.webp", save_all=True, append_images=frames[1:], duration=90, loop=0, quality=75)
     finally:
         driver.quit()
         server.stop()
