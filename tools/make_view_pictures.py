@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Makes docs/view_page.webp and docs/view_day.webp: the page of `gnomon view` in headless Chromium, of the built-in sundial,
-explaining a shadow, and with the sun of a day. Runs in the environment of tools/test_view.sh:
+"""Makes docs/view_page.webp and docs/view_day.webp: the page of `gnomon view` in headless Chromium, of the built-in
+sundial, explaining a shadow, and with the sun of a day. Runs in the environment of tools/test_view.sh:
 
     build-view/venv/bin/python tools/make_view_pictures.py docs
 """
@@ -52,7 +52,8 @@ def main() -> None:
             data = driver.execute_script("return picture.toDataURL('image/png').split(',')[1]")
             frame = Image.open(io.BytesIO(base64.b64decode(data))).convert("RGB")
             frames.append(frame.resize((400, 400 * frame.height // frame.width), Image.Resampling.LANCZOS))
-        frames[0].save(folder / "view_day.webp", save_all=True, append_images=frames[1:], duration=90, loop=0, quality=75)
+        day = {"save_all": True, "append_images": frames[1:], "duration": 90, "loop": 0, "quality": 75}
+        frames[0].save(folder / "view_day.webp", **day)
     finally:
         driver.quit()
         server.stop()

@@ -53,7 +53,10 @@ function parametersOf(level) {
   if (look.animation !== null) parameters.animation = look.animation;
   if (look.rival) return {...parameters, technique: look.rival};
   if (level >= levels.smooth && isSmooth()) parameters.samples = String(look.samples);
-  if (level >= levels.soft && isSoft()) parameters['sun-angle'] = floatText(look.sunAngle);
+  if (level >= levels.soft && isSoft()) {
+    parameters['sun-angle'] = floatText(look.sunAngle);
+    if ('sun-samples' in look.scene.start) parameters['sun-samples'] = look.scene.start['sun-samples'];
+  }
   if (level >= levels.sharp && look.ambient !== 'constant') parameters.ambient = look.ambient;
   return parameters;
 }

@@ -37,7 +37,7 @@ std::string address_of(const std::string& host) {
     return host.find(':') != std::string::npos ? "[" + host + "]" : host;
 }
 
-/// What the command's error says, by the status of an error.
+/// An error is one sentence, with the status of its kind.
 void answer_error(Response& response, int status, const char* sentence) {
     response.status = status;
     response.set_content(sentence, "text/plain; charset=utf-8");
