@@ -143,7 +143,8 @@ def test_asks_why_as_explain_does(driver: Driver, sundial: Server, tmp_path: Pat
     screenshot(driver, "asked")
     find(driver, "stage").send_keys(Keys.CONTROL + Keys.ARROW_DOWN)
     find(driver, "stage").send_keys(Keys.ENTER)
-    wait(driver, "byId('answer').textContent.startsWith(`Pixel ${Math.floor(fullSize()[0] / 2)},`)")
+    middle = "byId('answer').textContent.startsWith(`Pixel ${Math.floor(fullSize()[0] / 2)},`)"
+    wait(driver, f"{middle} && !byId('answer').textContent.endsWith('...')")
     find(driver, "stage").send_keys(Keys.ESCAPE)
     assert not find(driver, "explanation").is_displayed()
 
