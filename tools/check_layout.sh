@@ -90,7 +90,7 @@ offences_of references | complain 'tests/reference includes nothing of host/ or 
 files_matching '^tests/.*/' | while IFS= read -r -d '' file; do
     folder=${file#tests/}
     case ${folder%/*} in
-        build | command | consumer | drivers | fuzz | fuzz/* | golden | mutants | proofs | protocols | python | python/study | reference | reference/* | support | tools) ;;
+        build | command | consumer | drivers | fuzz | fuzz/* | golden | mutants | proofs | protocols | python | python/study | reference | reference/* | support | tools | view) ;;
         *) [[ " ${wings[*]} exact/predicates " == *" ${folder%/*} "* ]] || echo "$file" ;;
     esac
 done | complain 'a folder of tests/ is a wing of host/stages.cmake or a room that tools/check_layout.sh names'
@@ -157,13 +157,15 @@ fi
 lines_of '^CONTRIBUTING\.md$' | awk '$1 > 120 { print $2 ": " $1 " lines" }' |
     complain 'CONTRIBUTING.md has at most 120 lines'
 files_matching '^docs/.*\.md$' | xargs -0 -r awk '
-    FILENAME !~ /^docs\/(notebook\/|(numerics|python|integrations|studies|viewshed|embedding|gltf)\.md$)/ { words += NF }
+    FILENAME !~ /^docs\/(notebook\/|(numerics|python|integrations|studies|view|viewshed|embedding|gltf)\.md$)/ { words += NF }
+    FILENAME == "docs/view.md" { words_of_view += NF }
     FILENAME == "docs/many_lights.md" { words_of_many_lights += NF }
     FILENAME == "docs/performance.md" { ++lines }
     END { if (words > 8300) print "docs: " words " words"
+          if (words_of_view > 700) print "docs/view.md: " words_of_view " words"
           if (words_of_many_lights > 1500) print "docs/many_lights.md: " words_of_many_lights " words"
           if (lines > 150) print "docs/performance.md: " lines " lines" }' |
-    complain 'docs/ without numerics.md, gltf.md, the tutorials and the notebook has at most 8300 words, docs/many_lights.md at most 1500, docs/performance.md at most 150 lines'
+    complain 'docs/ without numerics.md, gltf.md, the tutorials and the notebook has at most 8300 words, docs/many_lights.md at most 1500, docs/view.md 700, docs/performance.md at most 150 lines'
 
 # README and CONTRIBUTING are true: what they name is there.
 for page in README.md CONTRIBUTING.md; do

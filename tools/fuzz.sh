@@ -1,7 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
 # Builds the fuzzers (clang, AddressSanitizer, UndefinedBehaviorSanitizer) and runs each for some seconds from its saved
-# corpus, tests/fuzz/corpus/{scene,image,library}.tar. What a run finds beyond that stays in build-fuzz/found/ for the next; an
+# corpus, tests/fuzz/corpus/{scene,image,view,library}.tar. What a run finds beyond that stays in build-fuzz/found/ for the next; an
 # input that breaks a promise is printed, kept in build-fuzz/broken/, and ends the script with an error. With --save,
 # inputs that cover new code are added to the saved corpus.
 # usage: fuzz.sh [SECONDS EACH, default 30] [--save]
@@ -11,14 +11,14 @@ set -euo pipefail
 
 unpack() {  # folder
     local target
-    for target in scene image library; do
+    for target in scene image view library; do
         mkdir -p "$1/$target"
         tar -xf "$corpus/$target.tar" -C "$1/$target"
     done
 }
 pack() {  # folder
     local target
-    for target in scene image library; do
+    for target in scene image view library; do
         (cd "$1/$target" && LC_ALL=C tar --format=ustar --owner=0 --group=0 --numeric-owner --mtime=@0 --mode=0644 \
             -cf "$corpus/$target.tar" -- *)
     done
@@ -44,14 +44,14 @@ if command -v ccache >/dev/null; then launcher=(-D CMAKE_CXX_COMPILER_LAUNCHER=c
 cmake -G Ninja -S . -B "$folder" -D CMAKE_CXX_COMPILER="$compiler" -D CMAKE_BUILD_TYPE=RelWithDebInfo \
     -D "CMAKE_CXX_FLAGS_RELWITHDEBINFO=-O1 -g1" -D GNOMON_SANITIZE=ON -D GNOMON_FUZZ=ON -D GNOMON_COMMAND=OFF \
     -D GNOMON_TOOLS=OFF "${launcher[@]}" >/dev/null
-cmake --build "$folder" --parallel "$(nproc)" --target scene_fuzz image_fuzz library_fuzz
+cmake --build "$folder" --parallel "$(nproc)" --target scene_fuzz image_fuzz view_fuzz library_fuzz
 
 export GNOMON_CACHE_DIR=$PWD/$folder/test_kernel_cache
 # PoCL alone, whose leaks sanitizer_defaults.cpp knows: Mesa's drivers, where installed, leak 200 bytes a run.
 export OCL_ICD_VENDORS=${OCL_ICD_VENDORS:-pocl.icd}
 rm -rf "$folder/saved"
 unpack "$folder/saved"
-for target in scene image library; do
+for target in scene image view library; do
     found=$folder/found/$target
     saved=$folder/saved/$target
     mkdir -p "$found" "$folder/broken"

@@ -17,18 +17,20 @@ run_packages=(
     liberfa-dev                    # optional: the sun's positions for gnomon hours
     libopenimageio-dev             # the command: EXR files, and images of scenes
     openimageio-tools              # OpenImageIO's CMake files refuse to be found without its tools
+    libcpp-httplib-dev libturbojpeg0-dev  # the command: gnomon view
+    pkg-config                     # finds these two, and what is installed
 )
 test_packages=(
     libgtest-dev                   # the test framework
     libboost-dev libgmp-dev        # exact arithmetic for the references
     oclgrind                       # finds out-of-bounds accesses and races in kernels
-    pkg-config                     # what is installed is found by it, too
     git                            # check_layout.sh asks it which files are the project's
 )
 ci_packages=(
     ccache                         # the next run compiles only what changed
     clang-14 libclang-rt-14-dev    # the fuzzers
     python3-venv python3-dev       # the Python package is built and tested in an environment of its own
+    chromium chromium-driver       # the page of gnomon view (tools/test_view.sh)
     libclc-15                      # what Mesa's rusticl reads (tools/test_drivers.sh); registers no driver
     gappa coq libcoq-flocq         # check the proofs of tests/proofs (250 MB, a minute)
     spin                           # explores the orders of steps of tests/protocols

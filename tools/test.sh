@@ -6,13 +6,13 @@
 #   test.sh WING     the tests of one wing (host/stages.cmake), or of another folder of tests/
 #   test.sh --ci     all that CI runs: first the format, and warnings as errors; the exhaustive tests too; library and
 #                    command, and the tests that use them as users do, once more under AddressSanitizer and
-#                    UndefinedBehaviorSanitizer; the fuzzers; the Python package (tools/test_python.sh); other drivers
-#                    (tools/test_drivers.sh)
+#                    UndefinedBehaviorSanitizer; the page of gnomon view (tools/test_view.sh); the fuzzers; the Python
+#                    package (tools/test_python.sh); other drivers (tools/test_drivers.sh)
 # GNOMON_TEST_TIME_SCALE=N in the environment makes all time limits N times as long, for a slow machine.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-labels() { find tests -mindepth 1 -maxdepth 1 -type d -printf '%f\n' | grep -vxE 'consumer|python|support' | sort; }
+labels() { find tests -mindepth 1 -maxdepth 1 -type d -printf '%f\n' | grep -vxE 'consumer|python|support|view' | sort; }
 
 what=${1:-default}
 case $what in
@@ -88,6 +88,8 @@ cmake --build build --parallel "$(nproc)"
 tools/run.sh
 step "Tests"
 run_tests build
+step "The page of gnomon view, in a browser"
+tools/test_view.sh build
 step "Host code and its tests under the sanitizers"  # after the release build: the driver has its kernels now
 configure build-sanitize -D CMAKE_BUILD_TYPE=RelWithDebInfo -D "CMAKE_CXX_FLAGS_RELWITHDEBINFO=-O1 -g1" \
     -D GNOMON_SANITIZE=ON -D GNOMON_WERROR=ON -D GNOMON_TOOLS=OFF

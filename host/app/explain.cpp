@@ -8,19 +8,17 @@
 #include <cmath>
 #include <sstream>
 
-#include "setup.hpp"
+#include "explained.hpp"
 #include "terminal.hpp"
 
 namespace gnomon::app {
 namespace {
 
-constexpr std::size_t max_printed = 8;  // triangles of a list; gnomon::explain() has all
+bool is_absent(const Explanation& e) {
+    return !std::all_of(e.position.begin(), e.position.end(), [](float c) { return std::isfinite(c); });
+}
 
-struct Explained {
-    Explanation explanation;
-    std::string where;  ///< "pixel 310,42 of 960x540 (frames the whole scene)"
-    ChosenLight light;
-};
+constexpr std::size_t max_printed = 8;  // triangles of a list; gnomon::explain() has all
 
 Points given_point(const ExplainOptions& options, const Device& device, std::size_t triangle_count) {
     if (options.receiver && *options.receiver >= triangle_count)
@@ -62,15 +60,10 @@ Explained explain_in(const ExplainOptions& options, const Device& device, const 
     const ChosenCamera camera = choose_camera(options, scene);
     const View view = look(device, triangles, camera.camera, width, height);
     const std::size_t pixel = std::size_t(y) * width + x;
-    explained.where = fmt::format("pixel {},{} of {}x{} ({})", x, y, width, height, camera.source);
-    if (options.samples > 1) explained.where += fmt::format(", sample {} of {}", options.sample, options.samples);
+    explained.where = where_of(options, camera);
     explained.explanation = options.samples > 1 ? explain_sample(options, device, triangles, view, light, pixel)
                                                 : gnomon::explain(device, triangles, view.points, pixel, light);
     return explained;
-}
-
-bool is_absent(const Explanation& e) {
-    return !std::all_of(e.position.begin(), e.position.end(), [](float c) { return std::isfinite(c); });
 }
 
 char sign(int of) { return of > 0 ? '+' : of < 0 ? '-' : '0'; }
@@ -80,17 +73,6 @@ std::string vertices_text(const TriangleSigns& t) {
         return fmt::format("({})", float3_text({t.vertices[i], t.vertices[i + 1], t.vertices[i + 2]}));
     };
     return vertex(0) + " " + vertex(3) + " " + vertex(6);
-}
-
-/// Why the point is lit or in shadow: one sentence.
-std::string reason(const Explanation& e) {
-    if (is_absent(e)) return "the point is absent (a pixel of the sky): lit by definition";
-    if (e.stage == "facing" && e.arithmetic == "none") return "no triangle can be between the point and the light";
-    if (e.stage == "facing")
-        return "the point is backfacing: the light is not strictly on the eye's side of the receiver's plane";
-    if (e.stage == "conservative_map") return "one triangle covers the point's whole texel, nearer to the light";
-    if (e.stage == "trace") return "the float filter was certain for every triangle that mattered";
-    return "the filter left pairs undecided, and the exact predicate decided them";
 }
 
 void add_triangles(std::ostream& out, const std::string& heading, const std::vector<TriangleSigns>& list) {
@@ -106,6 +88,18 @@ void add_triangles(std::ostream& out, const std::string& heading, const std::vec
         out << '\n';
     }
     if (list.size() > max_printed) out << "  and " << grouped(list.size() - max_printed) << " more\n";
+}
+
+}  // namespace
+
+std::string reason(const Explanation& e) {
+    if (is_absent(e)) return "the point is absent (a pixel of the sky): lit by definition";
+    if (e.stage == "facing" && e.arithmetic == "none") return "no triangle can be between the point and the light";
+    if (e.stage == "facing")
+        return "the point is backfacing: the light is not strictly on the eye's side of the receiver's plane";
+    if (e.stage == "conservative_map") return "one triangle covers the point's whole texel, nearer to the light";
+    if (e.stage == "trace") return "the float filter was certain for every triangle that mattered";
+    return "the filter left pairs undecided, and the exact predicate decided them";
 }
 
 std::string text_of(const Explained& explained) {
@@ -134,7 +128,13 @@ std::string text_of(const Explained& explained) {
     return out.str();
 }
 
-}  // namespace
+std::string where_of(const ExplainOptions& options, const ChosenCamera& camera) {
+    const auto& [width, height] = options.size;
+    const auto& [x, y] = *options.pixel;
+    std::string where = fmt::format("pixel {},{} of {}x{} ({})", x, y, width, height, camera.source);
+    if (options.samples > 1) where += fmt::format(", sample {} of {}", options.sample, options.samples);
+    return where;
+}
 
 void explain(const ExplainOptions& options) {
     const Device device = open_device(options, false);

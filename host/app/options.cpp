@@ -110,12 +110,13 @@ Kind<double> above_0() {
     return only(double_number(), "a number above 0", [](double value) { return value > 0; });
 }
 
-void add_camera_options(CLI::App& app, ViewOptions& options) {
+void add_camera_options(CLI::App& app, ViewOptions& options, bool has_size = true) {
     const Group add{app, "Camera (default: the scene's first, else one that frames the scene)"};
-    add("--size", "WxH",
-        fmt::format("Pixels of the picture, each side up to 16384 (default {}x{})", options.size.width,
-                    options.size.height),
-        image_size(), into(options.size));
+    if (has_size)
+        add("--size", "WxH",
+            fmt::format("Pixels of the picture, each side up to 16384 (default {}x{})", options.size.width,
+                        options.size.height),
+            image_size(), into(options.size));
     add("--camera", "NAME|INDEX", "A camera of the scene, by its name or its position from 0", name(),
         into(options.camera));
     add("--eye", "X,Y,Z", "Where the camera stands; needs --target", three_numbers(), into(options.eye));
@@ -272,7 +273,7 @@ void add_technique_options(CLI::App& app, RenderOptions& options) {
         name(), into(options.diagnostic));
     for (const auto& [key, type] : {std::pair("conservative-map", "on|off|auto"), std::pair("map-size", "N|auto")})
         add(std::string("--") + key, type, std::string("Short for --set ") + key + "=...", name(),
-            [&options, key](const std::string& value) { options.settings.emplace_back(key, value); });
+            [&options, key = key](const std::string& value) { options.settings.emplace_back(key, value); });
     require(app, {{"--area-samples", "--area-light"}});
     exclude(app, "--area-light", {"--sun-angle", "--diagnostic"});
     exclude(app, "--sun-angle", {"--diagnostic"});
@@ -377,6 +378,28 @@ CLI::App* add_explain(CLI::App& app, ExplainOptions& options) {
     exclude(*explain, "--point", {"--pixel", "--camera", "--target", "--up", "--fovy"});
     exclude(*explain, "--triangles", {"SCENE"});
     return explain;
+}
+
+CLI::App* add_view(CLI::App& app, PageOptions& options) {
+    CLI::App* view = add_command(app, "view", "Shows a scene in the browser: turn, light, compare, ask why", options);
+    const Group add{*view, "Page"};
+    add("--port", "N", "Where the server listens (default: a port that is free)", count(1, 65535), into(options.port));
+    add("--host", "ADDRESS",
+        "The address that the server listens at (default 127.0.0.1: this machine alone).\nWho reaches another one, and "
+        "reads its token on the way, sees the scene",
+        name(), into(options.host));
+    add.flag("--no-open", options.stays_closed, "Print the page's address, and open no browser");
+    add_samples({*view, "Pictures of a camera that stands still"}, "Points per pixel, at the end (default 8)",
+                options.samples);
+    add_sun({*view, "Pictures of a camera that stands still"},
+            "Soft shadows, at the end: directional lights are disks of this angle in the sky (the sun's: 0.533)",
+            default_sun_samples, options);
+    add_scene_options(*view, options);
+    add_camera_options(*view, options, false);
+    require(*view, {{"--eye", "--target"}});
+    add_light_options(*view, options);
+    add_device_options(*view, options);
+    return view;
 }
 
 CLI::App* add_gallery(CLI::App& app, GalleryOptions& options) {
@@ -549,27 +572,67 @@ std::optional<std::string> parse_or_text(CLI::App& parser, const std::vector<std
     return {};
 }
 
+/// The parser of all commands, before any is added.
+void describe(CLI::App& parser) {
+    parser.set_version_flag("--version", "gnomon " + std::string(version()), "Print the version");
+    parser.set_help_flag("-h,--help", "Print this help");
+    parser.footer(help_text("main"));
+    parser.require_subcommand(0, 1);
+    parser.get_formatter()->column_width(36);
+}
+
+/// Parses a command line of the one command that `add` adds.
+template <typename Add>
+void parse_one(const std::vector<std::string>& arguments, const Add& add) {
+    CLI::App parser(main_description, "gnomon");
+    const CLI::App* const command = add(parser);
+    if (parse_or_text(parser, arguments) || !*command) throw UsageError("is no command line of this command");
+}
+
 }  // namespace
+
+RenderOptions render_options_of(const std::vector<std::string>& arguments) {
+    RenderOptions options;
+    parse_one(arguments, [&](CLI::App& parser) { return add_render(parser, options); });
+    check_samples(options);
+    check_outputs(options);
+    return options;
+}
+
+ExplainOptions explain_options_of(const std::vector<std::string>& arguments) {
+    ExplainOptions options;
+    parse_one(arguments, [&](CLI::App& parser) { return add_explain(parser, options); });
+    check_explained(options);
+    return options;
+}
+
+HoursOptions hours_options_of(const std::vector<std::string>& arguments) {
+    HoursOptions options;
+    SunsOfPlace place;
+    parse_one(arguments, [&](CLI::App& parser) { return add_hours(parser, options, place); });
+    check_hours(options);
+    complete_place(options, place, false);
+    return options;
+}
 
 Command parse_command_line(const std::vector<std::string>& arguments) {
     RenderOptions render_options;
     ListDevices devices_options;
     ListTechniques techniques_options;
     ExplainOptions explain_options;
+    PageOptions page_options;
     GalleryOptions gallery_options;
     HoursOptions hours_options;
     SunsOfPlace place;
     gallery_options.size = {960, 540};
+    page_options.samples = 8;
     render_options.command_line = gallery_options.command_line = arguments;
 
     CLI::App parser(main_description, "gnomon");
-    parser.set_version_flag("--version", "gnomon " + std::string(version()), "Print the version");
-    parser.set_help_flag("-h,--help", "Print this help");
-    parser.footer(help_text("main"));
-    parser.require_subcommand(0, 1);
-    parser.get_formatter()->column_width(36);
+    describe(parser);
     CLI::App* const render = add_render(parser, render_options);
     CLI::App* const explain = add_explain(parser, explain_options);
+    CLI::App* const view = add_view(parser, page_options);
     CLI::App* const gallery = add_gallery(parser, gallery_options);
     CLI::App* const hours = add_hours(parser, hours_options, place);
     CLI::App* const devices = add_devices(parser, devices_options);
@@ -583,6 +646,7 @@ Command parse_command_line(const std::vector<std::string>& arguments) {
         return checked(app::hours, hours_options);
     }
     if (*explain) return checked(app::explain, explain_options, check_explained);
+    if (*view) return checked(app::view, page_options);
     if (*gallery) return checked(app::gallery, gallery_options);
     if (*devices && devices_options.checks) return checked(check_device, devices_options);
     if (*devices) return [] { print_result(device_list()); };

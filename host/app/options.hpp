@@ -107,6 +107,13 @@ struct HoursOptions : ViewOptions {
     std::vector<std::pair<std::string, std::string>> settings;  ///< of frustum-traced
 };
 
+/// `gnomon view`: a scene in, a page with its pictures out. The picture's options are what the page starts with.
+struct PageOptions : RenderOptions {
+    std::string host = "127.0.0.1";  ///< the address that the server listens at
+    std::uint32_t port = 0;          ///< 0: any that is free
+    bool stays_closed = false;       ///< opens no browser
+};
+
 /// `gnomon explain`
 struct ExplainOptions : ViewOptions {
     std::optional<std::filesystem::path> triangles;  ///< nine float32 each, in place of a scene
@@ -133,6 +140,10 @@ void hours(const HoursOptions& options);
 /// technique's visibility and the exact signs differ, prints the explanation and then throws Error.
 void explain(const ExplainOptions& options);
 
+/// `gnomon view`: serves a page that shows the scene from all sides, until the program is interrupted. Throws Error if
+/// it cannot listen.
+void view(const PageOptions& options);
+
 /// `gnomon gallery`: runs every technique of the options on one view and writes one self-contained HTML page. If a
 /// technique fails, the page has its error in place of a picture. Throws Error if there is nothing to show.
 void gallery(const GalleryOptions& options);
@@ -154,5 +165,11 @@ using Command = std::function<void()>;
 
 /// Reads the arguments. Throws UsageError.
 Command parse_command_line(const std::vector<std::string>& arguments);
+
+/// The options that the arguments of one command give, the program's name first. Throw UsageError as
+/// parse_command_line() does.
+RenderOptions render_options_of(const std::vector<std::string>& arguments);
+ExplainOptions explain_options_of(const std::vector<std::string>& arguments);
+HoursOptions hours_options_of(const std::vector<std::string>& arguments);
 
 }  // namespace gnomon::app

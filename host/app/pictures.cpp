@@ -54,6 +54,10 @@ void write_png(OutputFile& file, std::uint32_t width, std::uint32_t height, int 
     file.check();
 }
 
+void append(void* to, void* bytes, int count) {
+    static_cast<std::string*>(to)->append(static_cast<const char*>(bytes), std::size_t(count));
+}
+
 /// The first three bytes of each pixel.
 std::vector<std::uint8_t> rgb_of(std::size_t count, std::span<const std::uint8_t> pixels) {
     const std::size_t pixel_bytes = pixels.size() / count;
@@ -122,16 +126,19 @@ void write_aov(OutputFile& file, std::uint32_t width, std::uint32_t height, cons
                               values, channel, surfaces);
 }
 
+std::string png_of(std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> rgba) {
+    std::string file;
+    require_memory(stbi_write_png_to_func(append, &file, int(width), int(height), 3,
+                                          rgb_of(std::size_t(width) * height, rgba).data(), 0));
+    return file;
+}
+
 std::string data_uri(const std::string& format, std::uint32_t width, std::uint32_t height,
                      std::span<const std::uint8_t> pixels) {
-    const auto append = [](void* to, void* bytes, int count) {
-        static_cast<std::string*>(to)->append(static_cast<const char*>(bytes), std::size_t(count));
-    };
-    const std::vector<std::uint8_t> rgb = rgb_of(std::size_t(width) * height, pixels);
-    const int w = int(width), h = int(height);
+    if (format == "png") return "data:image/png;base64," + base64_of(png_of(width, height, pixels));
     std::string file;
-    require_memory(format == "png" ? stbi_write_png_to_func(append, &file, w, h, 3, rgb.data(), 0)
-                                   : stbi_write_jpg_to_func(append, &file, w, h, 3, rgb.data(), 90));
+    require_memory(stbi_write_jpg_to_func(append, &file, int(width), int(height), 3,
+                                          rgb_of(std::size_t(width) * height, pixels).data(), 90));
     return "data:image/" + format + ";base64," + base64_of(std::move(file));
 }
 

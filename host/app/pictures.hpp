@@ -25,6 +25,9 @@ void write_mask(OutputFile& file, std::uint32_t width, std::uint32_t height, std
 void write_aov(OutputFile& file, std::uint32_t width, std::uint32_t height, const ViewOnHost& view,
                std::span<const float> values, const char* channel = "visibility", const AovSurfaces& surfaces = {});
 
+/// The bytes that write_picture() writes.
+std::string png_of(std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> rgba);
+
 /// A picture inside a page, from RGB or RGBA bytes: "data:image/png;base64,..." is exact, "data:image/jpeg..." for
 /// looks.
 std::string data_uri(const std::string& format, std::uint32_t width, std::uint32_t height,

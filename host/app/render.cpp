@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "output_files.hpp"
+#include "picture.hpp"
 #include "pictures.hpp"
 #include "report.hpp"
 #include "setup.hpp"
@@ -141,16 +142,10 @@ struct Seen {
     std::vector<float> irradiance{};          ///< of an area light, else empty
 };
 
-std::vector<Light> lights_of(const Report& report) {
-    std::vector<Light> lights;
-    for (const LightReport& light : report.lights) lights.push_back(light.chosen.light);
+PictureLights lights_of(const Report& report) {
+    PictureLights lights{report.options, {}};
+    for (const LightReport& light : report.lights) lights.chosen.push_back(light.chosen);
     return lights;
-}
-
-std::vector<Visibility> visibilities_for(const Device& device, const View& view, const Report& report) {
-    std::vector<Visibility> visibilities;
-    for (std::size_t i = 0; i < report.lights.size(); ++i) visibilities.emplace_back(device, view.points.count());
-    return visibilities;
 }
 
 std::vector<std::vector<float>> read_all(const std::vector<Visibility>& visibilities) {
@@ -187,7 +182,7 @@ Seen see(Steps& steps, Report& report, const Device& device, Technique& techniqu
         return steps.run("shadow", "shadows (compiles kernels the first time)",
                          [&] { return see_area_light(report, device, technique, triangles, view); });
     }
-    std::vector<Visibility> visibilities = visibilities_for(device, view, report);
+    std::vector<Visibility> visibilities = visibilities_for(device, view, report.lights.size());
     std::vector<std::vector<float>> visible = steps.run("shadow", "shadows (compiles kernels the first time)", [&] {
         bool is_dumped = false;  // every light has the same points
         const SampleSink dump = [&](const Points& points) {
@@ -203,7 +198,8 @@ Seen see(Steps& steps, Report& report, const Device& device, Technique& techniqu
             }
         } else if (report.options.samples == 1) {
             dump(view.points);
-            const auto statistics = technique.run_each_light(triangles, view.points, lights_of(report), visibilities);
+            const auto statistics =
+                technique.run_each_light(triangles, view.points, lights_of(report).lights(), visibilities);
             for (std::size_t i = 0; i < statistics.size(); ++i) report.lights[i].statistics = statistics[i];
         } else {
             for (std::size_t i = 0; i < visibilities.size(); ++i) {
@@ -226,7 +222,7 @@ Seen see_in_parts(Steps& steps, Report& report, const Device& device, const scen
     ViewOfParts looked = steps.run("camera_in_parts", "camera, in parts",
                                    [&] { return look_in_parts(device, on_host, report.camera.camera, width, height); });
     report.camera_statistics = looked.view.statistics;
-    std::vector<Visibility> visibilities = visibilities_for(device, looked.view, report);
+    std::vector<Visibility> visibilities = visibilities_for(device, looked.view, report.lights.size());
     const auto make = [&] { return make_technique(device, report.options.technique, report.options.settings); };
     std::vector<std::vector<float>> visible = steps.run("shadow_in_parts", "shadows, in parts", [&] {
         for (std::size_t i = 0; i < visibilities.size(); ++i)
@@ -242,22 +238,6 @@ Seen see_in_parts(Steps& steps, Report& report, const Device& device, const scen
 bool can_be_in_parts(const RenderOptions& options) {
     return options.samples == 1 && !options.sun_angle_degrees && !options.area_light && options.sky_division == 0 &&
            !options.point_dump && !options.diagnostic && describe_technique(options.technique).exact;
-}
-
-/// A warning, or an error under --strict.
-void warn_or_refuse(const RenderOptions& options, const std::string& what) {
-    if (options.strict) throw Error(what + " (an error because of --strict)");
-    print_warning(what);
-}
-
-/// Techniques that do not test masks are warned about, and refused under --strict. Those that store depths or
-/// triangles in a map test them as a map does.
-void require_exact_for_cut_outs(const RenderOptions& options, const scene::Scene& scene) {
-    const bool is_opaque = options.technique == "shadow-volumes";
-    if (scene.cut_outs.empty() || (!is_opaque && options.technique != "conservative-map")) return;
-    warn_or_refuse(options,
-                   options.technique + (is_opaque ? " takes triangles that are cut out by their alpha for opaque ones"
-                                                  : " leaves out triangles that are cut out by their alpha"));
 }
 
 /// True if a file shows what light falls on.
@@ -297,33 +277,6 @@ struct SeenSurfaces {
     cl_mem sky() const { return sky_sums.get(); }
 };
 
-/// The surfaces of views: by an appearance of the whole scene where all fits, else by what a view shows.
-class SceneSurfaces {
-public:
-    SceneSurfaces(const Device& device, const scene::Scene& scene, SurfaceTextures* textures)
-        : device_(device), scene_(scene), textures_(textures) {}
-
-    Surfaces of(const Triangles& triangles, const View& view) {
-        const scene::SurfaceDetailView detail(scene_);
-        try {
-            if (fits_ && !appearance_)
-                appearance_ = Appearance::upload(device_, scene_.materials, detail.get(), textures_);
-            if (fits_) return appearance_->surfaces(triangles, view);
-        } catch (const OutOfDeviceMemory&) {
-            fits_ = false;
-            appearance_.reset();
-        }
-        return Surfaces(device_, triangles, view, scene_.materials, detail.get(), textures_);
-    }
-
-private:
-    const Device& device_;
-    const scene::Scene& scene_;
-    SurfaceTextures* textures_;
-    std::optional<Appearance> appearance_;
-    bool fits_ = true;
-};
-
 Surfaces surfaces_of(const Device& device, const scene::Scene& scene, const Seen& seen, SurfaceTextures* textures) {
     if (seen.ids.empty()) return SceneSurfaces(device, scene, textures).of(seen.triangles, seen.view);
     const scene::Scene part = part_of(scene, seen.ids);
@@ -347,38 +300,11 @@ std::unique_ptr<SeenSurfaces> surfaces_of(Report& report, const Device& device, 
     return made;
 }
 
-/// Patches of the sky that give light from all sides: a weight is the patch's solid angle over pi.
-Lights sky_of(std::uint32_t division) {
-    const Lights patches = sky_patches({0, 1, 0}, {0, 0, -1}, division);
-    const std::span<const Light> lights = patches.lights();
-    std::vector<float> weights;
-    for (std::size_t i = 0; i < lights.size(); ++i) weights.push_back(patches.weights()[i] / lights[i].xyzw[1]);
-    return Lights({lights.begin(), lights.end()}, std::move(weights));
-}
-
-/// For each pixel the part of the sky's light that reaches it, by the cosines to its shading normal.
-cl::Buffer sky_sums_of(const Device& device, Technique& technique, const Triangles& triangles, const Points& of,
-                       const Surfaces& surfaces, std::uint32_t division) {
-    // The shading normals decide the side.
-    const Points points = Points::wrap(device, of.positions(), of.layout(), of.count(), of.receivers());
-    cl::Buffer sums(session_of(device), of.count() * sizeof(double));
-    technique.run_light_table(triangles, points, sky_of(division), {.sums = sums.get(), .cosines = true},
-                              {.facing = Facing::normals(surfaces.normals())});
-    return sums;
-}
-
 /// The same on the host; empty without a sky.
 std::vector<float> sky_shares_of(const Device& device, const SeenSurfaces& of) {
     if (of.sky() == nullptr) return {};
     const auto sums = session_of(device).read_values<double>(of.sky(), of.surfaces.count());
     return {sums.begin(), sums.end()};
-}
-
-/// One light without a sky and without an area is as bright as the tone curve expects it. Other exposures are metered,
-/// if not given; in a sequence all frames have that of the first.
-std::optional<double> exposure_of(const RenderOptions& options, std::size_t light_count) {
-    if (options.exposure_ev || options.is_metered) return options.exposure_ev;
-    return light_count > 1 || options.sky_division != 0 || options.area_light ? std::nullopt : std::optional<double>(0);
 }
 
 ViewOnHost view_of(const Device& device, const Seen& seen) {
@@ -387,41 +313,6 @@ ViewOnHost view_of(const Device& device, const Seen& seen) {
     for (std::uint32_t& receiver : view.receiver)
         if (receiver != no_receiver) receiver = seen.ids[receiver];
     return view;
-}
-
-/// Decides the points of one sample of every pixel, by each light.
-void decide_sample(Technique& technique, const Report& report, const Triangles& triangles, const View& view,
-                   const std::vector<Visibility>& visibilities) {
-    if (!report.options.sun_angle_degrees) {
-        technique.run_each_light(triangles, view.points, lights_of(report), visibilities);
-        return;
-    }
-    for (std::size_t i = 0; i < visibilities.size(); ++i)
-        run_mean(technique, triangles, view.points,
-                 sun_of(report.options, report.lights[i].chosen, default_sun_samples), visibilities[i]);
-}
-
-/// The mean of the pictures of all samples: silhouettes and textures are as smooth as shadows.
-std::vector<std::uint8_t> smooth_picture(const Device& device, Technique& technique, const scene::Scene& scene,
-                                         Report& report, const Seen& seen, SurfaceTextures& textures) {
-    const RenderOptions& options = report.options;
-    SampleViews views(device, seen.triangles, seen.view, options.samples);
-    PictureMean mean(device, seen.view.points.count(), options.samples);
-    const std::vector<Light> lights = lights_of(report);
-    const std::vector<Visibility> visibilities = visibilities_for(device, seen.view, report);
-    SceneSurfaces scene_surfaces(device, scene, &textures);
-    for (std::size_t i = 0; i < views.count(); ++i) {
-        const View view = views.at(i);
-        decide_sample(technique, report, seen.triangles, view, visibilities);
-        const Surfaces surfaces = scene_surfaces.of(seen.triangles, view);
-        if (i == 0) report_textures(report, surfaces);
-        cl::Buffer sky;
-        if (options.sky_division != 0)
-            sky = sky_sums_of(device, technique, seen.triangles, view.points, surfaces, options.sky_division);
-        report.exposure_ev =
-            mean.add(surfaces, visibilities, lights, {.exposure_ev = report.exposure_ev, .sky_sums = sky.get()});
-    }
-    return mean.read();
 }
 
 /// What the frames of a sequence share: programs are compiled once, buffers keep their memory, the file is read once.
@@ -437,15 +328,17 @@ struct Shared {
 std::vector<std::uint8_t> picture_of(Shared& shared, const scene::Scene& scene, Report& report, const Seen& seen,
                                      const SeenSurfaces* surfaces) {
     const RenderOptions& options = report.options;
-    const std::vector<Light> lights = lights_of(report);
+    const PictureLights lights = lights_of(report);
     if (options.diagnostic) {
         const auto technique = make_technique(shared.device, options.technique, options.settings);
-        return technique->diagnose(*options.diagnostic, seen.triangles, seen.view.points, lights.front());
+        return technique->diagnose(*options.diagnostic, seen.triangles, seen.view.points, lights.chosen.front().light);
     }
-    if (options.samples > 1)
-        return smooth_picture(shared.device, *shared.technique, scene, report, seen, shared.textures);
-    Picture made = shade(surfaces->surfaces, seen.visibilities, lights,
-                         {.exposure_ev = report.exposure_ev, .sky_sums = surfaces->sky()});
+    SceneSurfaces scene_surfaces(shared.device, scene, &shared.textures);
+    Picture made = options.samples > 1
+                       ? smooth_picture(*shared.technique, scene_surfaces, lights, seen.triangles, seen.view,
+                                        report.exposure_ev, [&](const Surfaces& of) { report_textures(report, of); })
+                       : shade(surfaces->surfaces, seen.visibilities, lights.lights(),
+                               {.exposure_ev = report.exposure_ev, .sky_sums = surfaces->sky()});
     report.exposure_ev = made.exposure_ev;
     return std::move(made.rgba);
 }

@@ -143,6 +143,17 @@ private:
         return names;
     }
 
+    /// The largest time that the accessors of the animation's keyframes declare.
+    double end_of(const tinygltf::Animation& animation) const {
+        double end_s = 0;
+        for (const tinygltf::AnimationSampler& sampler : animation.samplers) {
+            if (sampler.input < 0 || std::size_t(sampler.input) >= model_.accessors.size()) continue;
+            for (const double most : model_.accessors[std::size_t(sampler.input)].maxValues)
+                if (std::isfinite(most)) end_s = std::max(end_s, most);
+        }
+        return end_s;
+    }
+
     std::size_t chosen_animation(const std::string& name) const {
         return find_named(file_, animation_names(), name, "animation");
     }
@@ -174,6 +185,8 @@ private:
         const std::vector<std::string> names = animation_names();
         for (std::size_t i = 0; i < names.size(); ++i)
             work_.scene.animations.push_back(names[i].empty() ? fmt::format("animation {}", i) : names[i]);
+        for (const tinygltf::Animation& animation : model_.animations)
+            work_.scene.animation_ends_s.push_back(end_of(animation));
         if (!names.empty() && (time_s || animation_ >= 0))
             work_.scene.animation = work_.scene.animations[std::size_t(std::max(animation_, 0))];
     }

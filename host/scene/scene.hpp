@@ -115,10 +115,11 @@ struct Scene {
     SceneColors colors;
     std::vector<NamedCamera> cameras;
     std::vector<NamedLight> lights;
-    std::vector<std::string> warnings;    ///< each one sentence; --strict turns them into errors
-    std::vector<std::string> notes;       ///< each one sentence, on what the file has beside the scene; no errors
-    std::vector<std::string> animations;  ///< the names of the file's animations; "animation N" without a name
-    std::string animation;                ///< the one that is shown; empty: the pose at rest
+    std::vector<std::string> warnings;     ///< each one sentence; --strict turns them into errors
+    std::vector<std::string> notes;        ///< each one sentence, on what the file has beside the scene; no errors
+    std::vector<std::string> animations;   ///< the names of the file's animations; "animation N" without a name
+    std::vector<double> animation_ends_s;  ///< of each the last keyframe's time, as the file says; 0 if it does not
+    std::string animation;                 ///< the one that is shown; empty: the pose at rest
 
     std::size_t triangle_count() const { return triangles.size() / 9; }
     /// A triangle with a NaN or infinite vertex casts no shadow.

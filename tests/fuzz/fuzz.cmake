@@ -28,6 +28,17 @@ gnomon_fuzz_target(library_fuzz
   SOURCES ${CMAKE_CURRENT_LIST_DIR}/library_fuzz.cpp
   CORPUS ${CMAKE_CURRENT_LIST_DIR}/corpus/library.tar
   LIBRARIES gnomon_inside gnomon_reference OpenCL::OpenCL)
+# The requests of gnomon view's page, read by the parser of command lines.
+find_package(CLI11 QUIET)
+find_package(fmt CONFIG QUIET)
+if(CLI11_FOUND AND fmt_FOUND)
+  set(app ${PROJECT_SOURCE_DIR}/host/app)
+  gnomon_fuzz_target(view_fuzz
+    SOURCES ${CMAKE_CURRENT_LIST_DIR}/view_fuzz.cpp ${app}/options.cpp ${app}/values.cpp ${app}/area_light.cpp
+            ${app}/view/request.cpp ${app}/view/guard.cpp
+    CORPUS ${CMAKE_CURRENT_LIST_DIR}/corpus/view.tar
+    LIBRARIES gnomon_inside gnomon_scene CLI11::CLI11 fmt::fmt)
+endif()
 # The images of scenes, decoded as the command does.
 find_package(OpenImageIO QUIET)
 if(OpenImageIO_FOUND)

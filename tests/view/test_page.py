@@ -1,0 +1,219 @@
+# SPDX-License-Identifier: MIT
+"""The page of `gnomon view` in a real browser: Chromium, without a window, driven by selenium. GNOMON_SCREENSHOTS names
+a folder that gets pictures of the page."""
+
+import base64
+import io
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from conftest import Server
+from test_protocol import run
+
+webdriver = pytest.importorskip("selenium.webdriver")
+from PIL import Image  # noqa: E402
+from selenium.webdriver.common.action_chains import ActionChains  # noqa: E402
+from selenium.webdriver.common.by import By  # noqa: E402
+from selenium.webdriver.common.keys import Keys  # noqa: E402
+from selenium.webdriver.support.ui import Select, WebDriverWait  # noqa: E402
+
+Driver = webdriver.Chrome
+
+
+@pytest.fixture(scope="module")
+def driver(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Driver]:
+    options = webdriver.ChromeOptions()
+    for argument in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--window-size=1000,600"):
+        options.add_argument(argument)
+    folder = tmp_path_factory.mktemp("downloads")
+    options.add_experimental_option("prefs", {"download.default_directory": str(folder)})
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    driver = webdriver.Chrome(options=options, service=webdriver.ChromeService("/usr/bin/chromedriver"))
+    driver.downloads = folder
+    yield driver
+    driver.quit()
+
+
+def wait(driver: Driver, script: str, seconds: float = 60) -> object:
+    """Waits until the script's value is true."""
+    return WebDriverWait(driver, seconds, poll_frequency=0.05).until(lambda d: d.execute_script("return " + script))
+
+
+def settle(driver: Driver) -> None:
+    """Waits until the last and best picture of what is looked at is shown."""
+    wait(driver, "shown.facts !== null && !isDirty && inFlight === 0 && document.body.dataset.last === 'true'"
+                 " && performance.now() - lastInput > 2 * stillAfterMs")
+
+
+def open_page(driver: Driver, server: Server) -> None:
+    driver.get(server.address)
+    settle(driver)
+
+
+def find(driver: Driver, name: str) -> "webdriver.remote.webelement.WebElement":
+    return driver.find_element(By.ID, name)
+
+
+def choose(driver: Driver, name: str, value: str) -> None:
+    Select(find(driver, name)).select_by_value(value)
+
+
+def screenshot(driver: Driver, name: str) -> None:
+    if "GNOMON_SCREENSHOTS" in os.environ:
+        driver.save_screenshot(str(Path(os.environ["GNOMON_SCREENSHOTS"]) / f"{name}.png"))
+
+
+def drag(driver: Driver, x: int, y: int, key: str | None = None) -> None:
+    actions = ActionChains(driver, duration=20)
+    if key:
+        actions.key_down(key)
+    actions.move_to_element(find(driver, "stage")).click_and_hold().move_by_offset(x, y).release()
+    if key:
+        actions.key_up(key)
+    actions.perform()
+
+
+def command_of(driver: Driver) -> str:
+    settle(driver)
+    return find(driver, "command").text
+
+
+def option(command: str, name: str) -> str:
+    return next((word.split("=", 1)[1] for word in command.split() if word.startswith(f"--{name}=")), "")
+
+
+def test_loads_turns_and_copies_the_command(driver: Driver, sundial: Server, tmp_path: Path) -> None:
+    open_page(driver, sundial)
+    screenshot(driver, "desktop")
+    first = command_of(driver)
+    assert option(first, "eye") == "" and option(first, "samples") == "8"
+    drag(driver, 120, 40)
+    turned = command_of(driver)
+    assert option(turned, "eye") not in ("", option(first, "eye"))
+    find(driver, "stage").send_keys(Keys.ARROW_LEFT, Keys.ARROW_UP, "+", "w")
+    settle(driver)
+    by_keys = command_of(driver)
+    assert option(by_keys, "eye") != option(turned, "eye")
+    find(driver, "save").click()
+    wait(driver, "true")
+    saved = driver.downloads / "view.png"
+    WebDriverWait(driver, 20).until(lambda _: saved.exists())
+    assert run(by_keys, tmp_path).returncode == 0
+    assert saved.read_bytes() == (tmp_path / "view.png").read_bytes()
+    # What is shown is that picture, but for JPEG.
+    shown = driver.execute_script("return picture.toDataURL('image/png').split(',')[1]")
+    on_page = Image.open(io.BytesIO(base64.b64decode(shown))).convert("RGB")
+    rendered = Image.open(tmp_path / "view.png")
+    assert on_page.size == rendered.size
+    difference = [abs(a - b) for a, b in zip(on_page.tobytes(), rendered.tobytes(), strict=True)]
+    assert sum(difference) / len(difference) < 2
+    find(driver, "reset").click()
+    assert command_of(driver) == first
+
+
+def test_moves_the_sun(driver: Driver, sundial: Server) -> None:
+    open_page(driver, sundial)
+    start = command_of(driver)
+    drag(driver, 80, 30, Keys.SHIFT)
+    by_drag = option(command_of(driver), "light-direction")
+    assert by_drag not in ("", option(start, "light-direction"))
+    dial = find(driver, "dial")
+    ActionChains(driver, duration=20).move_to_element(dial).click_and_hold().move_by_offset(20, 0).release().perform()
+    assert option(command_of(driver), "light-direction") != by_drag
+    azimuth = float(driver.execute_script("return byId('azimuth').value"))
+    assert abs(azimuth - 90) < 3  # east is to the right of north
+    find(driver, "stage").send_keys("l", "i")
+    assert option(command_of(driver), "light-direction") != by_drag
+    find(driver, "stage").send_keys("r")
+
+
+def test_asks_why_as_explain_does(driver: Driver, sundial: Server, tmp_path: Path) -> None:
+    open_page(driver, sundial)
+    answers = set()
+    for x, y in ((0, 0), (60, 90), (-40, 60), (-200, 100)):
+        ActionChains(driver).move_to_element_with_offset(find(driver, "stage"), x, y).click().perform()
+        wait(driver, "!byId('explanation').hidden && !byId('answer').textContent.endsWith('...')")
+        done = run(driver.execute_script("return asked.facts.command"), tmp_path)
+        assert done.returncode == 0
+        assert find(driver, "explanation").get_property("textContent") == done.stdout
+        answers.add("lit" in find(driver, "answer").text)
+    assert answers == {True, False}
+    screenshot(driver, "asked")
+    find(driver, "stage").send_keys(Keys.CONTROL + Keys.ARROW_DOWN)
+    find(driver, "stage").send_keys(Keys.ENTER)
+    middle = "byId('answer').textContent.startsWith(`Pixel ${Math.floor(fullSize()[0] / 2)},`)"
+    wait(driver, f"{middle} && !byId('answer').textContent.endsWith('...')")
+    find(driver, "stage").send_keys(Keys.ESCAPE)
+    assert not find(driver, "explanation").is_displayed()
+
+
+def test_compares_with_a_rival(driver: Driver, sundial: Server) -> None:
+    open_page(driver, sundial)
+    choose(driver, "rival", "shadow-map")
+    settle(driver)
+    wait(driver, "shown.isComparison")
+    assert "Wrong:" in find(driver, "comparison").text and find(driver, "divider").is_displayed()
+    assert option(command_of(driver), "technique") == "shadow-map"
+    middle = driver.execute_script("return look.divider")
+    ActionChains(driver, duration=20).move_to_element(find(driver, "divider")).click_and_hold().move_by_offset(
+        100, 0
+    ).release().perform()
+    assert driver.execute_script("return look.divider") > middle
+    screenshot(driver, "compared")
+    choose(driver, "show", "difference")
+    wait(driver, "byId('divider').hidden")
+    screenshot(driver, "difference")
+    choose(driver, "show", "divider")
+    choose(driver, "rival", "")
+    settle(driver)
+
+
+def test_plays_an_animation(driver: Driver, moving: Server) -> None:
+    open_page(driver, moving)
+    assert find(driver, "animation-part").is_displayed()
+    find(driver, "stage").send_keys(" ")
+    wait(driver, "look.time > 0.3 && shown.parameters.time > 0.3")
+    find(driver, "stage").send_keys(" ")
+    assert find(driver, "play").text == "Play"
+    assert float(option(command_of(driver), "time")) > 0.3
+
+
+def test_is_readable_at_three_sizes(driver: Driver, sundial: Server) -> None:
+    for name, width, height in (("phone", 390, 844), ("tablet", 800, 1100), ("wide", 1600, 900)):
+        driver.set_window_size(width, height)
+        open_page(driver, sundial)
+        screenshot(driver, name)
+        assert driver.execute_script("return document.documentElement.scrollWidth <= window.innerWidth")
+        assert driver.execute_script("return picture.width > 0 && stage.clientHeight > 200")
+    find(driver, "stage").send_keys("?")
+    assert find(driver, "help").is_displayed()
+    screenshot(driver, "help")
+    ActionChains(driver).send_keys(Keys.ESCAPE).perform()
+    wait(driver, "!byId('help').open")
+    driver.set_window_size(1000, 600)
+
+
+def test_says_what_is_wrong(driver: Driver, tmp_path: Path) -> None:
+    broken = tmp_path / "broken.gltf"
+    broken.write_text("{}")
+    server = Server(str(broken))
+    driver.get(server.address)
+    wait(driver, "byId('message').textContent.includes('broken.gltf')")
+    server.stop()
+    server = Server()
+    open_page(driver, server)
+    server.stop()
+    find(driver, "stage").send_keys(Keys.ARROW_LEFT)
+    wait(driver, "byId('message').textContent.includes('does not answer')")
+    screenshot(driver, "lost")
+
+
+def test_the_page_makes_no_errors(driver: Driver, sundial: Server) -> None:
+    driver.get_log("browser")
+    open_page(driver, sundial)
+    drag(driver, 50, 20)
+    settle(driver)
+    said = [entry["message"] for entry in driver.get_log("browser") if entry["level"] == "SEVERE"]
+    assert [message for message in said if " 409 " not in message] == []
