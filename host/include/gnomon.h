@@ -81,6 +81,9 @@
 //   are. Enumerations are integers of a fixed width.
 // Order. The object that a function's name begins with comes first, results last. A part of a buffer is given as
 //   (buffer, count, first_float), as in gnomon.hpp.
+// Stability. Stable (gnomon/version.h says what that means), but for these, which are experimental: world coordinates,
+//   gnomon_*_share(), gnomon_rivals_add(), gnomon_technique_diagnose(), gnomon_technique_run_mean(), gnomon_lights_*(),
+//   gnomon_view_shade(), several samples per pixel, and scenes larger than the device's memory.
 // Strings are UTF-8 and end with 0. Sizes of arrays and buffers are numbers of elements, not bytes.
 #ifndef GNOMON_H
 #define GNOMON_H

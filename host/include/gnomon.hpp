@@ -22,6 +22,9 @@
 // gnomon/device.hpp. The library never prints, never exits, and has no global state but the OpenCL functions that it
 // has loaded (and gnomon.h's error texts, one per thread).
 //
+// Stability. Each header says which of its names are stable and which are experimental, gnomon/version.h what that
+// means.
+//
 // Waits. All work is enqueued on the device's in-order queue. Which functions then wait for the queue, and so for all
 // that was enqueued before (tests/query/waits_test.cpp counts the blocking calls and compares them with this table):
 //   always   each call waits

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Errors, devices, and the library's version.
+// Stability. Stable.
 #pragma once
 
 #ifndef CL_TARGET_OPENCL_VERSION

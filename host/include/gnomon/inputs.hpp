@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What a run reads and writes: triangles, shading points, the camera that points come from, and visibility.
+// Stability. Stable, but the share() of each class is experimental.
 #pragma once
 
 #include <optional>

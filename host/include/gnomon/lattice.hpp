@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // float64 coordinates as float32 without loss.
+// Stability. Experimental.
 #pragma once
 
 #include <span>

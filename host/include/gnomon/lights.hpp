@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // One light, and tables of many: the sun's disk, a shining parallelogram, the sky.
+// Stability. Stable: Light. Experimental: the lists of many lights and suns.
 #pragma once
 
 #include <span>

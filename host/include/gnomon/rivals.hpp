@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The classic techniques, to be measured beside the exact one: shadow maps and their relatives (docs/techniques.md).
+// Stability. Experimental.
 #pragma once
 
 #pragma GCC visibility push(default)

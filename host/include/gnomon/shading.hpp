@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The colours of a view: materials, textures, and light with shadows. Visibility does not depend on them.
+// Stability. Experimental.
 #pragma once
 
 #include <gnomon/view.hpp>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Runs: which of the points the lights reach, by which technique, and why.
+// Stability. Stable, but diagnose() and run_mean() are experimental.
 #pragma once
 
 #include <functional>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Pictures: the view of a camera, several samples per pixel, and scenes larger than the device's memory.
+// Stability. Stable: CameraPass, View and look(). Experimental: samples, and scenes in parts.
 #pragma once
 
 #include <gnomon/trace.hpp>
