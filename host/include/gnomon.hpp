@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// gnomon: exact hard shadows as OpenCL kernels. The whole C++ interface, by subject:
+// gnomon: exact hard shadows as OpenCL kernels. The whole C++ interface; each header says what of it is stable:
 //
 //   gnomon/device.hpp   errors and devices          gnomon/view.hpp     cameras' views, samples, scenes in parts
 //   gnomon/inputs.hpp   triangles and points        gnomon/lattice.hpp  float64 coordinates without loss
@@ -21,9 +21,6 @@
 // objects made from it may be used from one thread at a time. A failure throws one of the exceptions of
 // gnomon/device.hpp. The library never prints, never exits, and has no global state but the OpenCL functions that it
 // has loaded (and gnomon.h's error texts, one per thread).
-//
-// Stability. Each header says which of its names are stable and which are experimental, gnomon/version.h what that
-// means.
 //
 // Waits. All work is enqueued on the device's in-order queue. Which functions then wait for the queue, and so for all
 // that was enqueued before (tests/query/waits_test.cpp counts the blocking calls and compares them with this table):

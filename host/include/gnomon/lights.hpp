@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// One light, and tables of many: the sun's disk, a shining parallelogram, the sky.
-// Stability. Stable: Light. Experimental: the lists of many lights and suns.
+// One light (stable), and tables of many (experimental): the sun's disk, a shining parallelogram, the sky.
 #pragma once
 
 #include <span>

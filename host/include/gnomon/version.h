@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The version of gnomon, for C and C++. CMake, pyproject.toml and tools/packaging read it here. What a header calls
 // stable changes with a minor version alone (from 1.0 on: a major one), and the changelog names what it became; what it
-// calls experimental may change with any version.
-// Stability. Stable.
+// calls experimental may change with any version. The version itself is stable.
 #ifndef GNOMON_VERSION_H
 #define GNOMON_VERSION_H
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Pictures: the view of a camera, several samples per pixel, and scenes larger than the device's memory.
-// Stability. Stable: CameraPass, View and look(). Experimental: samples, and scenes in parts.
+// Pictures: a camera's view (stable); several samples per pixel, and scenes in parts (both experimental).
 #pragma once
 
 #include <gnomon/trace.hpp>
