@@ -57,7 +57,7 @@ for interpreter in "${pythons[@]}"; do
 done
 
 step "Recipes: filled in, checked, and vcpkg's followed by hand"
-"$packaging/recipes.sh" "$out/recipes" "$out/python/gnomon-$version.tar.gz" "$out/debian/source/gnomon-$version"
+"$packaging/recipes.sh" "$out/recipes" "$out/python/gnomon-$version.tar.gz" "$out/source/gnomon-$version"
 
 step "Walks in clean roots"
 cp tests/consumer/sun_study.py "$out/python"
@@ -71,7 +71,7 @@ done
 
 step "Site"
 python=$(environment site "${pythons[0]}" "$(ls "$out"/python/gnomon-*-cp311-*.whl | head -1)[study]" mkdocs-material linkchecker cffconvert pdoc)
-"$packaging/site.sh" "$out/website" "$out/debian/source/gnomon-$version/build/packages/gnomon" "$python"
+"$packaging/site.sh" "$out/website" "$out/source/gnomon-$version/build/packages/gnomon" "$python"
 
 step "Table"
 "$packaging/table.sh" "$out" docs/measurements/release
