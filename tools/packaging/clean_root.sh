@@ -31,10 +31,10 @@ cp "$script" "$root/script"
 chmod 755 "$root" "$root/script"
 
 status=0
-# Its own mounts and processes: nothing outlives the script. The empty proc is all that a driver asks for.
+# Its own mounts and processes: nothing outlives the script. PoCL asks /sys for the processor's cores.
 nice unshare --mount --pid --fork bash -c '
     mount -t proc proc "$0/proc"
-    mount -t tmpfs -o mode=1777 tmpfs "$0/dev/shm" 2>/dev/null || true
+    mount --rbind --make-rslave /sys "$0/sys"
     exec chroot "$0" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8 DEBIAN_FRONTEND=noninteractive HOME=/root \
         PIP_CERT=/etc/ssl/certs/ca-certificates.crt PIP_DISABLE_PIP_VERSION_CHECK=1 /script "$@"' "$root" "$@" || status=$?
 find "$root/var/cache/apt/archives" -maxdepth 1 -name '*.deb' -exec cp -u {} "$roots/archives_$suite" \;

@@ -1,9 +1,9 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# Builds the Debian packages of the commit that is checked out, by dpkg-buildpackage, and has lintian judge them: an error
-# of lintian's is one of this script. FOLDER gets the .deb files and the source package; the sources
-# are unpacked and built beside it, in source. NANOBIND is the folder of
-# nanobind's CMake files (python -m nanobind --cmake_dir). usage: debian.sh FOLDER NANOBIND
+# Builds the Debian packages of the commit that is checked out, by dpkg-buildpackage, and has lintian judge them: an
+# error of lintian's is one of this script. FOLDER gets the .deb files and the source package; the sources are unpacked
+# and built beside it, in source. NANOBIND is the folder of nanobind's CMake files (python -m nanobind --cmake_dir).
+# usage: debian.sh FOLDER NANOBIND
 set -euo pipefail
 mkdir -p "$1"
 folder=$(realpath "$1") nanobind=$2

@@ -18,9 +18,10 @@ find "$folder/vcpkg" "$folder/conda-forge" -type f -print0 | xargs -0 sed -i -e 
     -e "s|@HOME@|$home|" -e "s|@URL@|$home/$(basename "$sdist")|"
 if grep -rn '@[A-Z0-9]*@' "$folder/vcpkg" "$folder/conda-forge"; then echo "a recipe is not filled in" >&2; exit 1; fi
 
-python3 -m venv "$folder/venv"
-nice "$folder/venv/bin/pip" --disable-pip-version-check --quiet install py-rattler-build
-"$folder/venv/bin/python" check_recipe.py "$folder/conda-forge/recipe.yaml" "$version"
+venv=$(dirname "$folder")/recipes_venv
+python3 -m venv "$venv"
+nice "$venv/bin/pip" --disable-pip-version-check --quiet install py-rattler-build
+"$venv/bin/python" check_recipe.py "$folder/conda-forge/recipe.yaml" "$version"
 python3 -m json.tool "$folder/vcpkg/gnomon/vcpkg.json" >/dev/null
 
 mapfile -t options < <(grep -oE -- '-DGNOMON_[A-Z]+=(ON|OFF)' vcpkg/gnomon/portfile.cmake)

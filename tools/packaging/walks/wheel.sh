@@ -13,7 +13,9 @@ python3 -m venv /venv
 pip() { /venv/bin/pip --quiet "$@"; }
 [ -z "$(find / -xdev -name 'libOpenCL*')" ]
 pip install --no-index --no-deps --find-links /artefacts gnomon
-wheel=$(ls /artefacts/gnomon-*.whl | while read -r file; do /venv/bin/pip install --dry-run --no-deps --quiet "$file" 2>/dev/null && echo "$file"; done | head -1)
+for wheel in /artefacts/gnomon-*.whl; do
+    ! /venv/bin/pip install --dry-run --no-deps --quiet "$wheel" 2>/dev/null || break
+done
 pip install numpy
 did "$(basename "$wheel") installed for $(/venv/bin/python --version) in a bare Debian, no OpenCL"
 mkdir -p /tmp/readonly && chmod 555 /tmp/readonly
