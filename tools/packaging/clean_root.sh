@@ -27,6 +27,7 @@ mkdir -p "$roots/archives_$suite" "$root/artefacts" "$root/results"
 cp -a --reflink=auto "$roots/archives_$suite/." "$root/var/cache/apt/archives"
 cp -a "$folder/." "$root/artefacts"
 rm -rf "$root/artefacts/results"
+echo force-unsafe-io >"$root/etc/dpkg/dpkg.cfg.d/thrown_away"
 cp "$script" "$root/script"
 chmod 755 "$root" "$root/script"
 

@@ -3,6 +3,7 @@
 # In a bare Debian, from the static library alone (recipes.sh): a stranger's project finds it by find_package() and by
 # pkg-config, in C++ and in C, and asks for a version that is not there.
 set -euo pipefail
+trap 'echo "line $LINENO failed" >&2' ERR
 cd /tmp
 did() { printf '%s\n' "$*" | tee -a /results/library.txt; }
 apt() { apt-get -qq --no-install-recommends "$@" >/results/apt.log 2>&1 || { tail -20 /results/apt.log; exit 1; }; }
