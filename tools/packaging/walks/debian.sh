@@ -11,8 +11,12 @@ fails() {  # STATUS WORDS COMMAND...: must fail so, with these words
     if [ $status -ne "$1" ] || [[ $said != *"$2"* ]]; then echo "exit $status, must be $1 with '$2': $said"; exit 1; fi
 }
 apt() { apt-get -qq --no-install-recommends "$@" >/results/apt.log 2>&1 || { tail -20 /results/apt.log; exit 1; }; }
-# What bears the name, but for what this script put there and what apt keeps of its own lists.
-traces() { find / -xdev -iname '*gnomon*' -not -path '/artefacts/*' -not -path '/var/cache/apt/*' -not -path '/proc/*'; }
+# What bears the name, but for what this script put there, what apt keeps of its own lists, and what a run made: the
+# kernels of a user whose home cannot be written.
+traces() {
+    find / -xdev -iname '*gnomon*' -not -path '/artefacts/*' -not -path '/var/cache/apt/*' -not -path '/proc/*' \
+        -not -path '/tmp/gnomon-pocl-*'
+}
 
 apt update
 apt install /artefacts/gnomon_*.deb

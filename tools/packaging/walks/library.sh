@@ -3,7 +3,6 @@
 # In a bare Debian, from the static library alone (recipes.sh): a stranger's project finds it by find_package() and by
 # pkg-config, in C++ and in C, and asks for a version that is not there.
 set -euo pipefail
-trap 'echo "line $LINENO failed" >&2' ERR
 cd /tmp
 did() { printf '%s\n' "$*" | tee -a /results/library.txt; }
 apt() { apt-get -qq --no-install-recommends "$@" >/results/apt.log 2>&1 || { tail -20 /results/apt.log; exit 1; }; }
@@ -13,7 +12,8 @@ tar -C /usr/local -xzf /artefacts/gnomon-static.tar.gz
 
 cmake -S /artefacts/consumer -B build -DCMAKE_BUILD_TYPE=Release >/dev/null
 cmake --build build >build.log 2>&1 || { tail -20 build.log; exit 1; }
-[ "$(build/example)" = "$(printf 'point 0 is in shadow\npoint 1 is in shadow\npoint 2 is in the light')" ]
+said=$(build/example 2>&1) || true
+[ "$said" = "$(printf 'point 0 is in shadow\npoint 1 is in shadow\npoint 2 is in the light')" ] || { echo "$said"; exit 1; }
 [ "$(build/embedding_in_c)" = "2048 of 4096 points are in the light" ]
 did "find_package(gnomon), static: example.cpp, and embedding.c: $(build/embedding_in_c)"
 gcc -std=c11 /artefacts/consumer/embedding.c -o by_pkg_config $(pkg-config --static --cflags --libs gnomon) -lOpenCL
