@@ -70,7 +70,7 @@ gnomon_wing(packets parallel_packets converging_packets ray_packets)
 gnomon_wing(light_tables light_masks beam_trace point_beam_trace method_costs light_tables)
 
 # The technique that chooses between both, by its name and through the C interface.
-gnomon_wing(technique technique frustum_traced)
+gnomon_wing(technique technique frustum_traced small_cells)
 gnomon_wing(c c_interface c_interface_lattice c_interface_lights c_interface_results c_interface_runs)
 
 # Libraries of their own (host/CMakeLists.txt), which the core does not know.

@@ -90,7 +90,7 @@ offences_of references | complain 'tests/reference includes nothing of host/ or 
 files_matching '^tests/.*/' | while IFS= read -r -d '' file; do
     folder=${file#tests/}
     case ${folder%/*} in
-        build | command | consumer | drivers | fuzz | fuzz/* | golden | mutants | proofs | python | python/study | reference | reference/* | support | tools) ;;
+        build | command | consumer | drivers | fuzz | fuzz/* | golden | mutants | proofs | protocols | python | python/study | reference | reference/* | support | tools) ;;
         *) [[ " ${wings[*]} exact/predicates " == *" ${folder%/*} "* ]] || echo "$file" ;;
     esac
 done | complain 'a folder of tests/ is a wing of host/stages.cmake or a room that tools/check_layout.sh names'

@@ -31,6 +31,7 @@ ci_packages=(
     python3-venv python3-dev       # the Python package is built and tested in an environment of its own
     libclc-15                      # what Mesa's rusticl reads (tools/test_drivers.sh); registers no driver
     gappa coq libcoq-flocq         # check the proofs of tests/proofs (250 MB, a minute)
+    spin                           # explores the orders of steps of tests/protocols
     doxygen                        # the pages of gnomon.h and gnomon.hpp (tools/api_pages.sh)
     clang-format-14                # one formatter version, or the check would depend on the machine
 )

@@ -5,68 +5,48 @@
 //
 // On such numbers all determinants are exact in float. So the cases are asked again under affine maps, which change no
 // answer: the products round, in float and in double, and meet the filters' bounds.
+//
+// GNOMON_SMALL_CASES=4 in the environment makes it a grid of 4 x 4 x 4, 3.15 billion cases: seconds on a GPU.
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <fstream>
 #include <sstream>
 #include <vector>
 
 #include "query/inputs.hpp"
 #include "reference/parallel.hpp"
+#include "support/small_cases.hpp"
 
 namespace {
 
+using namespace support;
+
 constexpr const char* KERNELS = "small_cases_test.cl";
-constexpr std::uint32_t GRID = 27, TRIANGLES = GRID * GRID * GRID;
+const std::uint32_t SIDE = std::getenv("GNOMON_SMALL_CASES") ? std::atoi(std::getenv("GNOMON_SMALL_CASES")) : 3;
+const std::uint32_t GRID = SIDE * SIDE * SIDE, TRIANGLES = GRID * GRID * GRID;
 
-using Vector = std::array<int, 3>;
-
-Vector operator-(Vector a, Vector b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-
-Vector grid_point(std::uint32_t i) {
-    return {static_cast<int>(i % 3), static_cast<int>(i / 3 % 3), static_cast<int>(i / 9)};
-}
-
-int sign_of_det(Vector u, Vector v, Vector w) {
-    const int det =
-        u[0] * (v[1] * w[2] - v[2] * w[1]) + u[1] * (v[2] * w[0] - v[0] * w[2]) + u[2] * (v[0] * w[1] - v[1] * w[0]);
-    return (det > 0) - (det < 0);
-}
-
-struct Light {
-    Vector at;
-    bool is_position;
-};
-
-std::vector<Light> all_lights() {
-    std::vector<Light> lights;
+std::vector<SmallLight> all_lights() {
+    std::vector<SmallLight> lights;
     for (int i = 0; i < 125; ++i)
         if (i != 62) lights.push_back({{i % 5 - 2, i / 5 % 5 - 2, i / 25 - 2}, false});
-    for (std::uint32_t i = 0; i < GRID; ++i) lights.push_back({grid_point(i), true});
+    for (std::uint32_t i = 0; i < GRID; ++i) lights.push_back({grid_point(i, SIDE), true});
     return lights;
 }
 
-/// The contract (docs/numerics.md, 1) in integers.
-bool is_blocked(Vector a, Vector b, Vector c, Vector p, const Light& light) {
-    const Vector d = light.is_position ? light.at - p : light.at;
-    const int s = sign_of_det(b - a, c - a, d);
-    if (s == 0 || sign_of_det(b - a, c - a, a - p) != s) return false;
-    if (light.is_position && sign_of_det(b - a, c - a, a - light.at) != -s) return false;
-    return s * sign_of_det(a - p, b - p, d) >= 0 && s * sign_of_det(b - p, c - p, d) >= 0 &&
-           s * sign_of_det(c - p, a - p, d) >= 0;
-}
-
 /// For each triangle and light the blocked points, one bit each.
-std::vector<std::uint32_t> expected(const std::vector<Light>& lights) {
-    std::vector<std::uint32_t> masks(TRIANGLES * lights.size());
+std::vector<std::uint64_t> expected(const std::vector<SmallLight>& lights) {
+    std::vector<std::uint64_t> masks(TRIANGLES * lights.size());
     reference::for_chunks(masks.size(), 4096, [&](std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i) {
             const auto id = static_cast<std::uint32_t>(i / lights.size());
-            const Vector a = grid_point(id % GRID), b = grid_point(id / GRID % GRID), c = grid_point(id / GRID / GRID);
+            const Vector a = grid_point(id % GRID, SIDE), b = grid_point(id / GRID % GRID, SIDE),
+                         c = grid_point(id / GRID / GRID, SIDE);
             for (std::uint32_t p = 0; p < GRID; ++p)
-                if (is_blocked(a, b, c, grid_point(p), lights[i % lights.size()])) masks[i] |= 1u << p;
+                if (is_blocked(a, b, c, grid_point(p, SIDE), lights[i % lights.size()]))
+                    masks[i] |= std::uint64_t(1) << p;
         }
     });
     return masks;
@@ -93,11 +73,11 @@ struct Map {
 using Levels = std::array<std::uint32_t, 3>;
 
 struct Answers {
-    std::vector<std::uint32_t> masks;
+    std::vector<std::uint64_t> masks;
     Levels levels{};
 };
 
-Answers answers_of(const Map& map, const std::vector<Light>& lights, bool hide_fp64) {
+Answers answers_of(const Map& map, const std::vector<SmallLight>& lights, bool hide_fp64) {
     gnomon::Device device({}, {.hide_fp64 = hide_fp64});
     gnomon::cl::Session& session = session_of(device);
     std::ifstream stream(GNOMON_TESTS "/exact/predicates/small_cases.cl");
@@ -112,11 +92,11 @@ Answers answers_of(const Map& map, const std::vector<Light>& lights, bool hide_f
     };
     std::vector<float> grid, vertices, positions;
     for (std::uint32_t i = 0; i < GRID; ++i)
-        for (const float x : map.apply(grid_point(i), false)) grid.push_back(x);
+        for (const float x : map.apply(grid_point(i, SIDE), false)) grid.push_back(x);
     for (std::uint32_t i = 0; i < TRIANGLES; ++i)
         for (const std::uint32_t corner : {i % GRID, i / GRID % GRID, i / GRID / GRID})
             vertices.insert(vertices.end(), grid.begin() + 3 * corner, grid.begin() + 3 * corner + 3);
-    for (const Light& light : lights) {
+    for (const SmallLight& light : lights) {
         for (const float x : map.apply(light.at, !light.is_position)) positions.push_back(x);
         positions.push_back(light.is_position ? 1.0f : 0.0f);
     }
@@ -124,10 +104,10 @@ Answers answers_of(const Map& map, const std::vector<Light>& lights, bool hide_f
     answers.masks.resize(TRIANGLES * lights.size());
     const auto count = static_cast<cl_uint>(answers.masks.size()), light_count = static_cast<cl_uint>(lights.size());
     const gnomon::cl::Buffer on_grid = upload(grid), of_triangles = upload(vertices), of_lights = upload(positions),
-                             masks(session, count * sizeof(cl_uint)), levels = upload(Levels{});
-    session.launch(KERNELS, "blocked_points", gnomon::cl::Range::items(count), light_count, cl_uint{0}, count, on_grid,
+                             masks(session, count * sizeof(cl_ulong)), levels = upload(Levels{});
+    session.launch(KERNELS, "blocked_points", gnomon::cl::Range::items(count), light_count, GRID, count, on_grid,
                    of_triangles, of_lights, masks, levels);
-    session.read(masks.get(), answers.masks.data(), count * sizeof(cl_uint));
+    session.read(masks.get(), answers.masks.data(), count * sizeof(cl_ulong));
     session.read(levels.get(), answers.levels.data(), sizeof(Levels));
     return answers;
 }
@@ -138,10 +118,17 @@ const Map ROUNDED{{{{1048575, -786433, 524289}, {-699051, 917503, 1000003}, {838
                   {999983, -655361, 786431},
                   0.125f};
 
+/// FNV-1a over the masks.
+std::uint64_t digest(const std::vector<std::uint64_t>& masks) {
+    std::uint64_t value = 0xCBF29CE484222325u;
+    for (const std::uint64_t mask : masks) value = (value ^ mask) * 0x100000001B3u;
+    return value;
+}
+
 class SmallCases : public testing::Test {
 protected:
     static void judge(const Answers& answers) {
-        static const std::vector<std::uint32_t> right = expected(all_lights());
+        static const std::vector<std::uint64_t> right = expected(all_lights());
         std::size_t wrong = 0, first = 0, blocked = 0;
         for (std::size_t i = right.size(); i-- > 0;) {
             if (answers.masks[i] != right[i]) ++wrong, first = i;
@@ -151,8 +138,9 @@ protected:
         EXPECT_EQ(wrong, 0u) << "first: triangle " << first / lights << ", light " << first % lights << ": points "
                              << std::hex << answers.masks[first] << ", must be " << right[first];
         EXPECT_GT(blocked, right.size() / 100);
-        std::cout << "float, double and integers decided " << answers.levels[0] << ", " << answers.levels[1] << " and "
-                  << answers.levels[2] << " pairs\n";
+        std::cout << right.size() * GRID << " cases, digest " << std::hex << digest(answers.masks) << std::dec
+                  << "; float, double and integers decided " << answers.levels[0] << ", " << answers.levels[1]
+                  << " and " << answers.levels[2] << " pairs\n";
     }
 };
 
