@@ -18,6 +18,7 @@
 #include "experiments.hpp"
 #include "json.hpp"
 #include "machine.hpp"
+#include "peers.hpp"
 #include "thread_table.hpp"
 
 namespace {
