@@ -11,7 +11,7 @@ from pathlib import Path
 import pdoc
 import pdoc.doc
 
-MODULES = ["gnomon", "gnomon.studies"]
+MODULES = ["gnomon", "gnomon.studies", "gnomon.surfaces", "gnomon.weather", "gnomon.xarray", "gnomon.integrations.ladybug"]
 
 
 def undocumented(member):

@@ -77,15 +77,14 @@ void LightMasks::add_to(LightSums& sums, const PointPart& part) {
 }
 
 BeamParams LightMasks::params_of(const PointPart& part) const {
+    const float factor = are_positions_ ? BEAM_ROUNDING_OF_POSITIONS : BEAM_ROUNDING;
     return {.triangles = triangle_inputs(run_.triangles),
             .points = run_.sorted.part(part.first, part.count),
             .bundle_count = bundle_count_,
             .mask_stride = static_cast<cl_uint>(max_points_),
             .queue_capacity = capacity(),
             .listed_tasks = 0,
-            // n . X rounds five times, for a triangle and for a point; the sum of sizes is at most 3 times the largest.
-            // The farthest point light has three such products more.
-            .rounding = (are_positions_ ? 8e-6f : 4e-6f) * run_.largest_coordinate() + 1e-30f,
+            .rounding = factor * run_.largest_coordinate() + 1e-30f,
             .are_sectors = are_sectors_ ? 1u : 0u,
             .are_packets = 0,
             .padding = 0};

@@ -16,7 +16,9 @@
 
 #include "cl/opencl.hpp"
 #include "lights/whole_weights.hpp"
+#include "lit_fractions.hpp"
 #include "scene/number_table.hpp"
+#include "sight/height_grid.hpp"
 
 #ifdef GNOMON_PYTHON_GLTF
 #include "scene/scene.hpp"
@@ -31,7 +33,9 @@ using Released = nb::call_guard<nb::gil_scoped_release>;
 using Floats = nb::ndarray<const float, nb::c_contig, nb::device::cpu>;
 using Doubles = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
 using Bytes = nb::ndarray<const std::uint8_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+using Integers = nb::ndarray<const std::int32_t, nb::c_contig, nb::device::cpu>;
 using Ids = nb::ndarray<const std::uint32_t, nb::c_contig, nb::device::cpu>;
+using Integers = nb::ndarray<const std::int32_t, nb::c_contig, nb::device::cpu>;
 
 template <typename Value>
 using Numpy = nb::ndarray<nb::numpy, Value>;
@@ -437,6 +441,68 @@ void bind_lattice(nb::module_& m) {
         });
 }
 
+// triangles (F, 9) in steps, face (F,), towards (M, 3): low (M, faces), high, and the centroids (M, faces, 3) or
+// nothing.
+void bind_lit_fractions(nb::module_& m) {
+    m.def("lit_fractions",
+          [](const Integers& triangles, const Integers& face, std::uint32_t faces, const Floats& towards, double within,
+             std::uint64_t limit, unsigned threads, bool centroids) {
+              using Triangle = gnomon::python::LatticeTriangle;
+              static_assert(sizeof(Triangle) == 9 * sizeof(std::int32_t));
+              const std::span corners(reinterpret_cast<const Triangle*>(triangles.data()), triangles.size() / 9);
+              gnomon::python::LitFractions found = released([&] {
+                  return gnomon::python::lit_fractions(corners, span_of(face), faces, span_of(towards),
+                                                       {within, limit, threads, centroids});
+              });
+              const std::size_t lights = towards.size() / 3;
+              std::vector<std::size_t> shape{lights, faces};
+              auto low = numpy_of(std::move(found.low), shape), high = numpy_of(std::move(found.high), shape);
+              return nb::make_tuple(low, high, numpy_of(std::move(found.centroid), {centroids ? lights : 0, faces, 3}));
+          });
+}
+
+std::vector<gnomon::Eye> eyes_of(const Integers& rows) {
+    std::vector<gnomon::Eye> eyes;
+    for (std::size_t i = 0; i + 4 <= rows.size(); i += 4) {
+        const std::int32_t* const row = rows.data() + i;
+        eyes.push_back({row[0], row[1], row[2], row[3]});
+    }
+    return eyes;
+}
+
+// Eyes are rows of four: x, y, height, the targets' height.
+void bind_sight(nb::module_& m) {
+    using gnomon::HeightGrid;
+    m.attr("SUBCELLS") = SUBCELLS;
+    m.attr("MAX_GRID_SIDE") = MAX_GRID_SIDE;
+    m.attr("MAX_GRID_HEIGHT") = MAX_GRID_HEIGHT;
+    m.attr("NO_HEIGHT") = NO_HEIGHT;
+    nb::class_<HeightGrid>(m, "HeightGrid")
+        .def(
+            "__init__",
+            [](HeightGrid* self, const gnomon::Device& device, const Integers& heights) {
+                new (self) HeightGrid(device, span_of(heights), std::uint32_t(heights.shape(1)));
+            },
+            Released())
+        .def("look",
+             [](HeightGrid& grid, const Integers& eye, const Integers& spans, bool sweeps) {
+                 return row_of(released([&] { return grid.look(eyes_of(eye).at(0), span_of(spans), sweeps); }));
+             })
+        .def("least_heights",
+             [](HeightGrid& grid, const Integers& eye, const Integers& spans) {
+                 return row_of(released([&] { return grid.least_heights(eyes_of(eye).at(0), span_of(spans)); }));
+             })
+        .def(
+            "look_from",
+            [](HeightGrid& grid, const Integers& eyes, const Integers& spans, bool wants_words,
+               const std::optional<nb::callable>& progress) {
+                HeightGrid::Seen seen = released(
+                    [&] { return grid.look_from(eyes_of(eyes), span_of(spans), wants_words, progress_of(progress)); });
+                return nb::make_tuple(row_of(std::move(seen.counts)), row_of(std::move(seen.words)));
+            },
+            "eyes"_a, "spans"_a, "wants_words"_a, "progress"_a.none());
+}
+
 void bind_views(nb::module_& m) {
     using gnomon::Camera;
     using gnomon::View;
@@ -644,6 +710,8 @@ NB_MODULE(_gnomon, m) {
     bind_many_lights(m);
     bind_made_lights(m);
     bind_lattice(m);
+    bind_lit_fractions(m);
+    bind_sight(m);
     bind_views(m);
     bind_pictures(m);
     bind_scenes(m);

@@ -19,6 +19,11 @@
 // Floats of a triangle's PointEdges, which a point beam keeps for its tests of single lights.
 #define POINT_EDGE_ROWS 15u
 
+// Of planes, boxes and packets of directional lights, and of point lights, the farthest of which has three products
+// more (tests/proofs/tree.v, boxes.v).
+#define BEAM_ROUNDING 4e-6f
+#define BEAM_ROUNDING_OF_POSITIONS 8e-6f
+
 GN_STRUCT_BEGIN(BeamParams)
     TrianglesLayout triangles;
     PointsLayout points;  // of a part of the sorted points
@@ -26,8 +31,9 @@ GN_STRUCT_BEGIN(BeamParams)
     uint mask_stride;  // masks[bundle mask_stride + point]: bit l is light l of the bundle
     uint queue_capacity;
     uint listed_tasks;  // number of tasks in TASKS_LEFT to process; 0: all tasks
-    // A bound of the rounding errors of n . X, for coordinates of n up to 1. At least 1e-30, since rays_in_box()
-    // replaces coordinates of D below 2^-100 by 2^-100, which moves a ray by less than this bound.
+    // A bound of the rounding errors of n . X, for coordinates of n up to 1: BEAM_ROUNDING times the largest
+    // coordinate. At least 1e-30, since rays_in_box() replaces coordinates of D below 2^-100 by 2^-100, which moves a
+    // ray by less than this bound.
     float rounding;
     uint are_sectors;  // 1: a bundle with a direction along the ground (light_bundle.h) is a sector
     uint are_packets;  // 1: a CPU decides all pairs by packets

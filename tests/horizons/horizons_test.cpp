@@ -201,6 +201,46 @@ TEST(Horizons, TakeNoLongReceiverForGroundAhead) {
     EXPECT_EQ(expect_decisions(device, scene, sector_along(1, 0.05f, 0.6f)).pairs, 12u * 32);
 }
 
+/// A plain with a cleft: in place of 6 cells, walls go down to a sliver, (tip, left, right), 2^-18 wide at its end.
+/// Appends the sliver last.
+Floats plain_with_cleft(Float3 tip) {
+    Terrain terrain;
+    terrain.rows = 24;
+    terrain.height = [](std::size_t, std::size_t) { return 32.0f; };
+    Floats made;
+    const Floats plain = terrain.triangles();
+    for (std::size_t t = 0; t < plain.size() / 9; ++t) {
+        const float x = plain[9 * t] - tip[0], z = plain[9 * t + 2] - tip[2];  // of the cell's first corner
+        if (!(x >= -1 && x < 1 && z >= -1 && z < 2)) made.insert(made.end(), &plain[9 * t], &plain[9 * t] + 9);
+    }
+    const Float3 left{tip[0] - 0x1p-19f, tip[1], tip[2] + 1}, right{tip[0] + 0x1p-19f, tip[1], tip[2] + 1};
+    const auto rim = [&](float x, float z) { return Float3{tip[0] + x, 32, tip[2] + z}; };
+    for (const float side : {-1.0f, 1.0f}) {
+        const Float3 end = side < 0 ? left : right;
+        const Float3 walls[][3] = {{tip, rim(0, -1), rim(side, -1)},  {tip, rim(side, -1), rim(side, 0)},
+                                   {tip, rim(side, 0), rim(side, 1)}, {tip, rim(side, 1), end},
+                                   {end, rim(side, 1), rim(side, 2)}, {end, rim(side, 2), rim(0, 2)}};
+        for (const auto& w : walls) side < 0 ? add(made, w[0], w[1], w[2]) : add(made, w[0], w[2], w[1]);
+    }
+    add(made, left, rim(0, 2), right);
+    add(made, tip, left, right);
+    return made;
+}
+
+// A point lies beyond the tip of its receiver, a sliver, in whose plane and within the rounding of whose edges it is;
+// it is under the walls beside. Rays that pass the sliver on either side stay under the ground and meet nothing, though
+// they are above the sliver's end and below the ground ahead.
+TEST(Horizons, FindNothingDarkFromBeyondAReceiver) {
+    const gnomon::Device device = device_with();
+    LightScene scene{.name = "cleft"};
+    scene.triangles = plain_with_cleft({12, 0, 6});
+    scene.points = {12, 0, 5.5f};
+    scene.receivers = {std::uint32_t(scene.triangles.size() / 9 - 1)};
+    std::vector<gnomon::Light> lights;
+    for (const float x : {-0.01f, 0.01f}) lights.push_back(gnomon::Light::directional({x, -0.05f, -1}));
+    EXPECT_EQ(expect_decisions(device, scene, gnomon::Lights(lights)).dark, 0u);
+}
+
 // Of a terrain's own vertices, which is what horizons are for, few pairs stay open.
 TEST(Horizons, DecideMostPairsOfVertices) {
     const gnomon::Device device = device_with();

@@ -253,6 +253,18 @@ Proof.
     auto using rounds_normal_near, seen64_near; try lra; unfold u32; apply bpow_ge_0.
 Qed.
 
+(* The same without a size: the error of any expression. *)
+Theorem error_of_normal_numbers e v :
+  limited e -> computes_normal x e v -> Rabs (v - real x e) <= alpha u32 (roundings e) * permanent x e.
+Proof.
+  intros L C. assert (u0 : 0 <= u32) by apply bpow_ge_0.
+  assert (N := computed_is_near u32 0 u0 (Rle_refl 0) rounds_normal seen64 rounds_normal_near seen64_near x (Q2R m) (Q2R d)
+    e v L C).
+  assert (U : underflow u32 0 (Q2R m) (Q2R d) e = 0).
+  { clear. induction e; cbn [underflow]; unfold of_product; rewrite ?IHe, ?IHe1, ?IHe2, ?IHe3; ring. }
+  lra.
+Qed.
+
 Theorem double_filter value size constant v s b :
   is_enough u64Q 0 m d value size 0 constant = true ->
   limited value -> limited size -> permanent x value <= permanent x size -> real x size = permanent x size ->
@@ -283,6 +295,10 @@ Ltac by_roundings Nv Nb :=
   replace u32 with (/ 16777216) in * by (unfold u32; simpl; lra);
   replace h32 with (/ 85070591730234615865843651857942052864) in * by (unfold h32; simpl; lra);
   lra.
+
+(* (1 + u)^4 - 1 is a little more than 4 u: by less than 2^-20 of it. *)
+Lemma four_roundings : alpha u32 4 <= (1 + / 1048576) * / 4194304.
+Proof. unfold alpha. replace u32 with (/ 16777216) by (unfold u32; simpl; lra). simpl pow. lra. Qed.
 
 (* For the table: numerators and denominators of the least constant and of the kernel's. *)
 Definition shown (least kernel : Q) := (Qnum least, QDen least, Qnum kernel, QDen kernel).

@@ -9,6 +9,7 @@ the expressions, in their order, with the kernel's constants. They stand in the 
     begin: from the kernels, by expressions.py        ...        end: from the kernels
 
 so that what is proved is what runs. The operands of + and * are ordered by name, as their order changes no bit.
+A quotient or a maximum becomes an input of what uses it, quotient_1 or greater_1, after definitions of its two operands.
 
 usage: expressions.py FILE...           fails if a proof's part is not what the kernels evaluate
        expressions.py --write FILE...   writes that part
@@ -60,9 +61,9 @@ def as_minimum(condition, yes, no):
 
 def negated(condition):
     turned = {"ugt": "ole", "uge": "olt", "ult": "oge", "ule": "ogt", "and": "or", "or": "and"}
-    operands = condition[1:]
-    if condition[0] in ("and", "or"):
-        operands = [negated(o) for o in operands]
+    operands = [negated(o) for o in condition[1:]] if condition[0] in ("and", "or") else condition[1:]
+    if condition[0] not in turned:
+        return operands[0] if condition[0] == "not" else ("not", condition)
     return node(turned[condition[0]], *operands)
 
 
@@ -75,6 +76,8 @@ def selection(condition, yes, no):
         return yes
     if yes == ("infinity",):
         return selection(negated(condition), no, yes)
+    if yes == ("const", 0) and not as_minimum(condition, yes, no):
+        return node("select", negated(condition), no, yes)
     return as_minimum(condition, yes, no) or node("select", condition, yes, no)
 
 
@@ -128,7 +131,7 @@ class Probe:
                 self.inputs += names
                 self.values["%" + name] = [("in", n) for n in names] if count else ("in", names[0])
         for line in match.group(3).splitlines():
-            line = re.sub(r", !tbaa.*|, align \d+.*", "", line.split(" #")[0].strip())
+            line = re.sub(r", !(?:tbaa|fpmath).*|, align \d+.*", "", line.split(" #")[0].strip())
             if line and not line.endswith(":") and line != "ret void":
                 self.execute(line)
 
@@ -154,6 +157,11 @@ class Probe:
         if isinstance(operands[0], list):
             return [node(operation, *of) for of in zip(*operands)]
         return node(operation, *operands)
+
+    def input(self, name):
+        if name not in self.inputs:
+            self.inputs.append(name)
+        return ("in", name)
 
     def execute(self, line):
         if line.startswith("store "):
@@ -185,13 +193,19 @@ class Probe:
             if isinstance(condition, list):
                 return [selection(*of) for of in zip(condition, yes, no)]
             return selection(condition, yes, no)
-        if name in ("and", "or") and rest.startswith("i1 "):
+        if name in ("and", "or") and re.match(r"(<\d+ x )?i1", rest):
+            kind = re.match(rf"{TYPE} ", rest).group(0)
             a, b = split_operands(rest)
-            return node(name, self.typed(a), self.typed("i1 " + b))
+            return self.each(name, self.typed(a), self.typed(kind + b))
+        if name == "xor" and rest.startswith("i1 ") and rest.endswith(", true"):
+            return negated(self.typed(rest.rsplit(",", 1)[0]))
         if name == "call":
             called, operands = re.search(r"@(\w[\w.]*)\((.*)\)", rest).groups()
             mangled = re.match(r"_Z(\d+)(\w+)", called)
             builtin = mangled.group(2)[: int(mangled.group(1))] if mangled else called.removeprefix("llvm.").split(".")[0]
+            if builtin == "vload3":
+                _, name, path = self.typed(split_operands(operands)[1])
+                return [self.input("_".join(map(str, (name, *path[:-1], path[-1] + i)))) for i in range(3)]
             if builtin not in BUILTINS:
                 fail(f"unknown function: {line}")
             return self.each(BUILTINS[builtin], *(self.typed(o) for o in split_operands(operands)))
@@ -210,21 +224,16 @@ class Probe:
                 return [both[0]] * int(re.match(r"<(\d+)", mask).group(1))
             picks = re.findall(r"i32 (\w+)", mask.split(">", 1)[1])
             return [both[int(i)] if i.isdigit() else ("undef",) for i in picks]
-        if name == "fpext":  # exact
+        if name in ("fpext", "uitofp") or (name == "bitcast" and "*" in rest):  # exact (of integers: below 2^24)
             return self.typed(rest.rsplit(" to ", 1)[0])
         if name == "getelementptr":
             parts = split_operands(rest)
             base = self.typed(parts[1])
             steps = tuple(int(p.split()[-1]) for p in parts[2:])
             return ("pointer", base[1], base[2] + (steps[1:] if steps[0] == 0 else steps))
-        if name == "bitcast" and "*" in rest:
-            return self.typed(rest.rsplit(" to ", 1)[0])
         if name == "load":
             pointer = self.typed(split_operands(rest)[1])
-            name = pointer[1] + "".join(f"_{i}" for i in pointer[2])
-            if name not in self.inputs:
-                self.inputs.append(name)
-            return ("in", name)
+            return self.input(pointer[1] + "".join(f"_{i}" for i in pointer[2]))
         return fail(f"unknown instruction: {line}")
 
 
@@ -234,9 +243,10 @@ def derive(probe):
     if not clang:
         print("NOT TESTED: there is no clang-14 here")
         sys.exit(77)
+    lanes = 16 if "\n// 16 lanes\n" in probe.read_text() else 1
     made = subprocess.run(
         [clang, "-x", "cl", "-cl-std=CL1.2", "-Xclang", "-finclude-default-header", "-target", "spir64-unknown-unknown",
-         "-fno-discard-value-names", "-fno-vectorize", "-fno-slp-vectorize", "-DGN_LANES=1",
+         "-fno-discard-value-names", "-fno-vectorize", "-fno-slp-vectorize", f"-DGN_LANES={lanes}",
          f"-I{KERNELS}", "-O2", "-mllvm", "-inline-threshold=100000", "-S", "-emit-llvm", "-w", "-o", "-", str(probe)], capture_output=True, text=True)
     if made.returncode != 0:
         fail(f"clang refuses {probe}:\n{made.stderr}")
@@ -273,6 +283,43 @@ def coq_term(e, defined):
     return f"({constructors[name]} {' '.join(coq_term(o, defined) for o in operands)})"
 
 
+CUTS = {"div": ("quotient", "over", "under"), "max": ("greater", "one", "other"), "min": ("lesser", "one", "other")}
+
+
+def cut(outputs):
+    """The inputs in place of quotients and maxima; the outputs with them, whose operands become outputs before; and the
+    conditions under which values are neither 0 nor infinite."""
+    made, inputs, limits = {}, {}, []
+
+    def operands_of(e, by):
+        return (e[0], *(by(o) if isinstance(o, tuple) else o for o in e[1:]))
+
+    def is_limited(e):
+        return e[0] == "select" and e[3] in (("const", 0), ("infinity",))
+
+    def known(e):
+        e = known(e[2]) if is_limited(e) else operands_of(e, known)
+        return ("in", inputs[e]) if e in inputs else e
+
+    def replaced(e):
+        if is_limited(e):
+            limits.append(e[1])
+            return replaced(e[2])
+        e = operands_of(e, replaced)
+        if e[0] in CUTS and e not in inputs:
+            kind, first, second = CUTS[e[0]]
+            inputs[e] = f"{kind}_{sum(name.startswith(kind) for name in inputs.values()) + 1}"
+            made[f"{inputs[e]}_{first}"], made[f"{inputs[e]}_{second}"] = e[1:]
+        return ("in", inputs[e]) if e in inputs else e
+
+    for name, e in outputs.items():
+        is_bound = e[0] == "select" and e[3] == ("infinity",)
+        made[name] = (*e[:2], replaced(e[2]), e[3]) if is_bound else replaced(e)
+    made = {name: (*e[:1], known(e[1]), *e[2:]) if e[0] == "select" else e for name, e in made.items()}
+    limits = [known(c) for limit in limits for c in conditions(limit)]
+    return list(inputs.values()), made, [c for i, c in enumerate(limits) if c not in limits[:i]]
+
+
 def used_inputs(e):
     return {e[1]} if e[0] == "in" else set().union(*(used_inputs(o) for o in e[1:] if isinstance(o, tuple)), set())
 
@@ -293,20 +340,24 @@ def plain(e):
     return f"{e[0]}({', '.join(plain(o) for o in e[1:])})" if len(e) > 1 else e[0]
 
 
-def coq_block(inputs, outputs, met):
+def coq_block(inputs, outputs, limits, met):
     """The inputs' numbers, and one definition for each output: an expression, or a constant times another output."""
     used = set().union(*(used_inputs(e) for e in outputs.values()))
     lines = [f"Definition {name} := {number}%nat." for number, name in enumerate(n for n in inputs if n in used)]
     defined = {("in", name): f"(Given {name} {met(name)})" for name in used}
     for name, e in outputs.items():
         lines += coq_output(name, e, defined)
+    for c in limits:
+        lines += wrapped(f"(* where {plain_condition(c, defined)} *)")
     return lines
 
 
 def coq_output(name, e, defined):
+    if e[0] == "in":
+        return [f"Definition {name} := Given {e[1]} {re.search('[0-9]+', defined[e].split()[-1]).group(0)}."]
     if e[0] == "select" and e[3] == ("infinity",):  # a bound, where the level may be used
         limits = [f"(* {name}: where {plain_condition(c, defined)} *)" for c in conditions(e[1])]
-        return sorted(limits) + coq_output(name, e[2], defined)
+        return [part for limit in sorted(limits) for part in wrapped(limit)] + coq_output(name, e[2], defined)
     if e[0] == "mul" and "const" in (e[1][0], e[2][0]):
         factor, of = (e[1], e[2]) if e[1][0] == "const" else (e[2], e[1])
         if of in defined:
@@ -318,13 +369,19 @@ def coq_output(name, e, defined):
             return coq_output(name, product, defined) + [f"Definition {name}_rest : Q := {rational(rest[1])}."]
     term = coq_term(e, defined)
     defined[e] = name
-    return [f"Definition {name} :="] + textwrap.wrap(term.strip("(").rstrip(")") + ")" * (len(term) - len(
-        term.rstrip(")")) - 1) + ".", 116, initial_indent="  ", subsequent_indent="    ", break_on_hyphens=False)
+    return [f"Definition {name} :="] + wrapped("  " + term.strip("(").rstrip(")") + ")" * (len(term) - len(
+        term.rstrip(")")) - 1) + ".", "    ")
+
+
+def wrapped(text, indent="   "):
+    return textwrap.wrap(text, 116, subsequent_indent=indent, break_on_hyphens=False)
 
 
 def plain_condition(c, defined):
     def text(e):
-        return plain(e) if e[0] == "in" else defined.get(e) or plain(e)
+        if e[0] in ("in", "const") or e not in defined:
+            return plain(e) if len(e) == 1 or e[0] in ("in", "const") else f"{e[0]}({', '.join(text(o) for o in e[1:])})"
+        return defined[e]
     symbols = {"ole": "<=", "oge": ">=", "olt": "<", "ogt": ">"}
     return f"{text(c[1])} {symbols.get(c[0], c[0])} {text(c[2])}"
 
@@ -371,7 +428,11 @@ def checked(path, write):
         fail(f"{path} has no part from the kernels")
     probe = path.with_suffix(".cl")
     inputs, outputs = derive(probe)
-    block = coq_block(inputs, outputs, roundings_met(probe)) if path.suffix == ".v" else gappa_block(inputs, outputs)
+    if path.suffix == ".v":
+        made, outputs, limits = cut(outputs)
+        block = coq_block(inputs + made, outputs, limits, roundings_met(probe))
+    else:
+        block = gappa_block(inputs, outputs)
     made = lines[: begin + 1] + block + lines[end:]
     if write:
         path.write_text("\n".join(made) + "\n")

@@ -133,3 +133,25 @@ def test_a_run_that_progress_ends_is_cancelled():
     with pytest.raises(ZeroDivisionError):
         scene.lit_by(at, ONE, progress=lambda done: 1 / 0)
     assert scene.lit_by(at, ONE).counts.shape == (1,), "the scene stays usable"
+
+
+def test_lifted_points_are_those_of_lit():
+    rng = np.random.default_rng(4)
+    vertices = np.stack([*(v.reshape(-1) / 7 for v in np.meshgrid(np.arange(12), np.arange(12), indexing="ij"))], 1)
+    vertices = np.c_[vertices, vertices @ [0.3, 0.7]]
+    corner = (np.arange(11)[:, None] * 12 + np.arange(11)).reshape(-1)
+    halves = [[corner, corner + 12, corner + 13], [corner, corner + 13, corner + 1]]
+    faces = np.concatenate([np.stack(half, 1) for half in halves])
+    scene = gnomon.Scene(vertices, faces, lattice=2**-10)
+    points = vertices[faces].mean(axis=1)
+    side = gnomon.Side.normals(np.tile([-0.3, -0.7, 1], (len(points), 1)))
+    suns = rng.normal(size=(9, 3)) * [1, 1, 0.2] - [0, 0, 0.4]
+    found = scene.lit_by(points, gnomon.Lights.directions(suns), side=side, lift=True, bits=True).lit()
+    for k, sun in enumerate(suns):
+        assert (found[:, k] == scene.lit(points, direction=sun, side=side, lift=True)).all()
+    flat = scene.lit_by(points, gnomon.Lights.directions(suns), side=side, bits=True).lit()
+    assert (flat != found).any()
+    with pytest.raises(ValueError, match="lift: needs side=Side.normals"):
+        scene.lit_by(points, gnomon.Lights.directions(suns), lift=True)
+    with pytest.raises(ValueError, match="lift: needs a lattice"):
+        gnomon.Scene(np.eye(3)[None]).lit_by(points, gnomon.Lights.directions(suns), side=side, lift=True)

@@ -31,6 +31,8 @@ from ._lights import Lights, LightsResult
 from ._scene import AtVertices, Scene, View
 from ._side import Side, Technique, VertexSide
 from ._study import study
+from ._viewshed import EARTH_RADIUS, REFRACTION, Viewshed, ViewshedGrid, viewshed
+from ._visible_from import VisibleFrom
 
 __version__: str = _gnomon.__version__  # type: ignore[attr-defined]  # nanobind's stub leaves it out
 
@@ -43,10 +45,12 @@ __all__ = [
     "Device",
     "DeviceDescription",
     "DeviceNotFoundError",
+    "EARTH_RADIUS",
     "Lattice",
     "Lights",
     "LightsResult",
     "OpenCLError",
+    "REFRACTION",
     "Scene",
     "SettingDescription",
     "Side",
@@ -54,9 +58,13 @@ __all__ = [
     "TechniqueDescription",
     "VertexSide",
     "View",
+    "Viewshed",
+    "ViewshedGrid",
+    "VisibleFrom",
     "__version__",
     "devices",
     "study",
     "techniques",
     "use",
+    "viewshed",
 ]

@@ -18,6 +18,7 @@ from . import _arrays, _cut_outs, _gnomon, _lights, _meshes
 from . import _lattice as _world
 from ._devices import Device, default_device, device_of_queue, open_device
 from ._side import EXACT, Side, Technique, VertexSide
+from ._visible_from import VisibleFrom, visible_from
 
 if TYPE_CHECKING:
     from typing import TypedDict, overload
@@ -564,6 +565,7 @@ class Scene:
         *,
         receivers: ArrayLike | None = None,
         side: Side | None = None,
+        lift: bool = False,
         bits: bool = False,
         cosines: bool = False,
         progress: Callable[[float], object] | None = None,
@@ -573,6 +575,7 @@ class Scene:
         lit() for the one light; work is shared between neighbouring points and lights, so it takes far less time.
 
         points, receivers, side: as in lit(), but no Side.vertices(); on a scene with a lattice, give Side.normals().
+        lift: as in lit(), along Side.normals().
         lights: gnomon.Lights.directions() or gnomon.Lights.positions(), M of them.
         bits: return each answer, too: one bit per point and light.
         cosines: each weight is multiplied by max(0, n . l), with l the light's unit direction and n the normal as it
@@ -588,7 +591,7 @@ class Scene:
         positions = _arrays.rows_of_triples(points, "points")
         flat = positions.reshape(-1, 3)
         _arrays.require_finite(flat, "points")
-        if side.kind in ("none", "normals") and (twin := self._needed_twin(flat, None)):
+        if not lift and side.kind in ("none", "normals") and (twin := self._needed_twin(flat, None)):
             return twin.lit_by(
                 positions, lights, receivers=receivers, side=side, bits=bits, cosines=cosines, progress=progress,
                 settings=settings,
@@ -598,14 +601,16 @@ class Scene:
             raise ValueError("side: on a scene with a lattice give Side.normals() of the surfaces before snapping")
         if cosines and side.kind != "normals":
             raise ValueError("cosines: needs side=Side.normals()")
+        if lift and side.kind != "normals":
+            raise ValueError("lift: needs side=Side.normals()")
         ids = None if receivers is None else _arrays.receivers_of(receivers, positions.shape[:-1], self._count)
+        normals = _arrays.normals_of(side.value, positions.shape) if side.kind == "normals" else None
+        along = self._normals_to_lift_along(normals, ids, side) if lift else None
         if cosines:
             facing = _facing_by(_lights.normals_for_cosines(side.value, positions.shape))
-        elif side.kind == "normals":
-            facing = _facing_by(_arrays.normals_of(side.value, positions.shape))
         else:
-            facing = self._facing_of(side, ids)
-        query = _Query(self._local(flat), ids, facing)
+            facing = self._facing_of(side, ids) if normals is None else _facing_by(normals)
+        query = _Query(self._local(flat, along), ids, facing)
         upload = self._on(self._device)
         is_over = threading.Event()
 
@@ -627,6 +632,32 @@ class Scene:
             raise
         return _lights.result_of(parts, positions.shape[:-1], bits, len(table))
 
+    def visible_from(
+        self,
+        observers: ArrayLike,
+        points: ArrayLike | None = None,
+        *,
+        height: float = 0.0,
+        target_height: float = 0.0,
+        distance: float | None = None,
+        up: ArrayLike = (0, 0, 1),
+        side: Side | VertexSide | None = None,
+        progress: Callable[[float], object] | None = None,
+    ) -> VisibleFrom:
+        """Which points each observer sees: a line of sight is a shadow ray to a lamp at the observer's eye, so each
+        answer is that of lit() with this lamp. (Rasters alone: gnomon.viewshed(), which takes far less time.)
+
+        observers: (M, 3) where they stand. points: (..., 3) what is looked at; None: the corners of the scene's
+        triangles, (F, 3), as Side.vertices() has them.
+        height, target_height: eyes and targets lie this far above observers and points, along `up`.
+        distance: points farther away, measured across `up`, are not seen.
+        side: the surface's side that points belong to, as in lit(); with target_height=0 alone.
+        progress: as in lit_by().
+
+        Returns VisibleFrom: counts and bits. Raises ValueError with the argument's name and the first bad row.
+        """
+        return visible_from(self, observers, points, height, target_height, distance, up, side, progress)
+
     def _local(self, flat: NDArray[Any], normals: NDArray[np.float64] | None = None) -> NDArray[np.float32]:
         """Points relative to the lattice's origin, lifted along the normals, if there are any; without a lattice points
         as they are."""
@@ -644,16 +675,28 @@ class Scene:
         is_visible = any(t is not None and _world.moves_visibly(t, extent) for t in triples)
         if not (moved or is_visible) or not np.isfinite([moved, extent]).all() or not np.isfinite(self._host).all():
             return None
-        if self._twin is None:
-            twin = Scene.__new__(Scene)
-            twin.__dict__.update(self.__dict__)
-            twin.lattice = _world.lattice_of(self._host.astype(np.float64), None)
-            twin._host = twin.lattice.triangles
-            twin._uploads, twin._moved, twin._vertices = {}, {}, None
+        twin = self._on_lattice()
+        assert twin.lattice is not None
+        return twin if is_visible or moved > max(twin.lattice.largest_move, twin.lattice.step / 2) else None
+
+    def _on_lattice(self, points: NDArray[Any] | None = None) -> Scene:
+        """The same triangles on a lattice that the caller stated, or on the finest that holds them and the points."""
+        if self.lattice is not None and not isinstance(self.lattice.native, _world.Reaching):
+            return self
+        if points is None and self._twin is not None:
+            return self._twin
+        world = self.triangles.astype(np.float64) if self.lattice is None else self.lattice.world
+        step = None
+        if points is not None:
+            step = _gnomon.WorldLattice.fit(np.concatenate([world.reshape(-1, 3), points])).step
+        twin = Scene.__new__(Scene)
+        twin.__dict__.update(self.__dict__)
+        twin.lattice = _world.lattice_of(world, step)
+        twin._host = twin.lattice.triangles
+        twin._uploads, twin._moved, twin._vertices = {}, {}, None
+        if points is None:
             self._twin = twin
-        lattice = self._twin.lattice
-        assert lattice is not None
-        return self._twin if is_visible or moved > max(lattice.largest_move, lattice.step / 2) else None
+        return twin
 
     def _facing_of(self, side: Side, ids: NDArray[np.uint32] | None) -> _FacingOf:
         """Facing by an eye, by the receivers' front, or none."""

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""The command gnomon-study: run, verify, export and picture. Exit codes: 0 done, 1 a study failed, 2 the command line
-is wrong."""
+"""The command gnomon-study: run, verify, export, picture and viewshed. Exit codes: 0 done, 1 it failed, 2 the command
+line is wrong."""
 
 from __future__ import annotations
 
@@ -11,8 +11,13 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from tqdm import tqdm
+
 from .. import DeviceNotFoundError, OpenCLError
+from .._viewshed import EARTH_RADIUS, REFRACTION
 from . import Execution, StudyStoppedError, open_study, read_toml, run
+from .settings import files_of
+from .viewshed import WHAT, Request, observers_of, write_viewshed
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -54,7 +59,58 @@ def _parser() -> argparse.ArgumentParser:
         write_parser.add_argument("output", type=Path, help="the file; for packed bits a folder")
         write_parser.add_argument("--what", help="sun_hours, sum_of_weights, lit or suns")
         write_parser.set_defaults(function=_write)
+    _add_viewshed(commands)
     return parser
+
+
+def _add_viewshed(commands: Any) -> None:
+    parser = commands.add_parser("viewshed", help="write which cells of a raster observers see (docs/viewshed.md)")
+    parser.add_argument("raster", help="a GeoTIFF of heights, or a pattern such as 'tiles/*.tif', on one grid")
+    parser.add_argument(
+        "observers", help="x,y on the map (after -- if x is below 0), or a .csv file: columns x, y, perhaps height"
+    )
+    parser.add_argument("output", type=Path, help="the GeoTIFF that is written")
+    parser.add_argument("--what", choices=WHAT, help="default: seen for one observer, else counts")
+    parser.add_argument("--height", type=float, default=2.0, help="of eyes above the ground, m; default: %(default)g")
+    parser.add_argument("--target-height", type=float, default=0.0, help="of targets above the ground, m")
+    parser.add_argument("--distance", type=float, help="cells farther away are not seen, m")
+    parser.add_argument(
+        "--refraction", type=_refraction, default=REFRACTION, help="k, or 'plane': no curvature; default: 1/7"
+    )
+    parser.add_argument("--radius", type=float, default=EARTH_RADIUS, help="the Earth's, m; default: %(default).0f")
+    parser.add_argument("--outside", type=float, help="what stands where there is no data is at most this high, m")
+    parser.add_argument("--height-unit", help="of the raster's heights; default: what it declares, or metres")
+    parser.add_argument("--device", help="P:D as gnomon devices lists it, or a part of its name")
+    parser.add_argument("--quiet", action="store_true", help="no progress, no summary")
+    parser.set_defaults(function=_viewshed)
+
+
+def _refraction(text: str) -> float | None:
+    try:
+        return None if text == "plane" else float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is neither a number nor 'plane'") from None
+
+
+def _viewshed(options: argparse.Namespace) -> int:
+    places, heights = observers_of(options.observers)
+    request = Request(
+        raster=files_of(options.raster),
+        observers=places,
+        heights=options.height if heights is None else heights,
+        target_height=options.target_height,
+        distance=options.distance,
+        refraction=options.refraction,
+        radius=options.radius,
+        outside=options.outside,
+        height_unit=options.height_unit,
+        device=options.device,
+    )
+    with tqdm(total=1.0, disable=options.quiet or len(places) == 1, unit="", bar_format="{l_bar}{bar}") as bar:
+        record = write_viewshed(options.output, request, options.what, lambda done: bar.update(done - bar.n))
+    if not options.quiet:
+        print(json.dumps(record, indent=1))
+    return 0
 
 
 def _tiles(text: str | None) -> slice | None:

@@ -183,8 +183,9 @@ def _check_work(s: Settings) -> None:
     _need(s.memory_limit >= 1 << 20, f"memory_limit: {s.memory_limit} is below a mebibyte")
 
 
-def _files(value: Any, folder: Path) -> tuple[str, ...]:
+def files_of(value: Any, folder: Path | None = None) -> tuple[str, ...]:
     """Absolute paths in the given order. A name with * or ? stands for its matches, sorted."""
+    folder = Path.cwd() if folder is None else folder
     names = [value] if isinstance(value, str | Path) else list(value)
     paths: list[str] = []
     for name in map(str, names):
@@ -205,10 +206,10 @@ def settings_of(values: dict[str, Any], folder: Path | None = None) -> Settings:
     base = Path.cwd() if folder is None else folder
     for key in ("raster", "meshes"):
         if key in fields:
-            fields[key] = _files(fields[key], base)
+            fields[key] = files_of(fields[key], base)
     for key in ("points", "directions", "weights"):
         if key in fields:
-            fields[key] = _files(fields[key], base)[0]
+            fields[key] = files_of(fields[key], base)[0]
     for key in ("start", "end", "crs", "height_unit"):
         if key in fields:
             fields[key] = fields[key].isoformat() if hasattr(fields[key], "isoformat") else str(fields[key])

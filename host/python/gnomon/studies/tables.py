@@ -16,6 +16,7 @@ from .. import _gnomon
 from .._arrays import first_row
 
 SUN_COLUMNS = ("x", "y", "z"), ("x", "y", "z", "weight")
+OBSERVER_COLUMNS = ("x", "y"), ("x", "y", "height")
 POINT_COLUMNS = ("x", "y", "z"), ("x", "y", "z", "nx", "ny", "nz")
 
 
@@ -166,3 +167,11 @@ def read_points(file: str) -> NDArray[np.float64]:
     if len(names) > 3 and (row := first_row((points[:, 3:] == 0).all(axis=1))) is not None:
         table.refuse(row, "nx, ny, nz = 0, 0, 0, which is no side")
     return points
+
+
+def read_observers(file: str) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
+    """(M, 2) places of observers, and (M,) heights of their eyes if the table has them. Raises ValueError."""
+    table = _table(file, OBSERVER_COLUMNS)
+    table.require(["x", "y"], "observers need the columns x, y, and perhaps height")
+    places = np.stack([table.numbers("x"), table.numbers("y")], axis=1)
+    return places, table.numbers("height") if _has(table, "height") else None

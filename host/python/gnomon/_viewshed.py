@@ -1,0 +1,405 @@
+# SPDX-License-Identifier: MIT
+"""Viewsheds of rasters: which cells are seen from observers above the ground, decided exactly on the device."""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _arrays, _gnomon
+from ._devices import Device, default_device, open_device
+
+#: The Earth's mean radius in metres, and the part of its curvature that rays along the ground follow, as GDAL has it.
+EARTH_RADIUS, REFRACTION = 6_371_000.0, 1 / 7
+#: The finest step of heights, in metres.
+FINEST = -10
+
+_NONE = _gnomon.NO_HEIGHT
+_SUBCELLS = _gnomon.SUBCELLS
+_LIMIT = _gnomon.MAX_GRID_HEIGHT
+
+
+class Viewshed(NamedTuple):
+    """What M observers see of a raster; arrays have its shape (R, C), or (words, R, C).
+
+    counts: uint32, the number of observers that see the cell; 0 where the raster has no data.
+    undecided: uint32, the number of observers that may see it, depending on what stands where there is no data; 0
+        unless viewshed() was given outside=.
+    is_absent: bool, where the raster has no data.
+    bits, undecided_bits: uint32 (ceil(M / 32), R, C), or None unless asked for: observer i is bit i % 32 of plane
+        i // 32.
+    observer_count: M.
+    record: what was computed: refraction, radius, the step of heights, and by how much observers and heights moved.
+    """
+
+    counts: NDArray[np.uint32]
+    undecided: NDArray[np.uint32]
+    is_absent: NDArray[np.bool_]
+    bits: NDArray[np.uint32] | None
+    undecided_bits: NDArray[np.uint32] | None
+    observer_count: int
+    record: dict[str, Any]
+
+    def seen(self) -> NDArray[np.bool_]:
+        """(M, R, C): the bits, one per element."""
+        if self.bits is None:
+            raise ValueError("seen: call viewshed() with bits=True")
+        planes = self.bits[:, None] >> np.arange(32, dtype=np.uint32)[None, :, None, None] & np.uint32(1)
+        return planes.reshape(-1, *self.counts.shape)[: self.observer_count].astype(bool)
+
+
+class _Axis(NamedTuple):
+    """Centres of columns or rows: place i is first + i * step. is_turned: the caller's order is the other way round."""
+
+    first: float
+    step: float  # above 0 for columns, below 0 for rows: row 0 is in the north
+    size: int
+    is_turned: bool
+
+    def places(self) -> NDArray[np.float64]:
+        return np.asarray(self.first + self.step * np.arange(self.size), np.float64)
+
+
+def _axis_of(values: Any, count: int, name: str, step: float) -> _Axis:
+    """step: of cells without coordinates; its sign is that of the axis."""
+    if values is None:
+        return _Axis(0.0 if step > 0 else -step * (count - 1), step, count, False)
+    places = np.asarray(_arrays.on_host(values, name), np.float64)
+    if places.shape != (count,) or not np.isfinite(places).all():
+        raise ValueError(f"{name}: must be {count} finite numbers, the centres of the raster's cells along {name}")
+    own = (places[-1] - places[0]) / (count - 1)
+    if own == 0 or np.abs(places - (places[0] + own * np.arange(count))).max() > 1e-3 * abs(own):
+        raise ValueError(f"{name}: the cells' centres are not equally spaced")
+    is_turned = (own > 0) != (step > 0)
+    return _Axis(float(places[-1]), -own, count, True) if is_turned else _Axis(float(places[0]), own, count, False)
+
+
+def _turned(values: NDArray[Any], rows: _Axis, columns: _Axis) -> NDArray[Any]:
+    """The raster north up, or from there back in the caller's order."""
+    return values[..., :: -1 if rows.is_turned else 1, :: -1 if columns.is_turned else 1]
+
+
+def _per_observer(value: Any, count: int, name: str) -> NDArray[np.float64]:
+    values = np.asarray(value, np.float64)
+    if values.shape not in ((), (count,)) or np.isnan(values).any():
+        raise ValueError(f"{name}: must be a number, or one for each of the {count} observers")
+    return np.broadcast_to(values, (count,))
+
+
+def _parts_of(rows: int) -> list[slice]:
+    return [slice(first, min(first + 64, rows)) for first in range(0, rows, 64)]
+
+
+def _extremes_of(heights: NDArray[Any]) -> tuple[float, float]:
+    """The least and the greatest finite height. Raises ValueError if there is none."""
+    low, high = math.inf, -math.inf
+    for rows in _parts_of(len(heights)):
+        part = heights[rows]
+        is_there = np.isfinite(part)
+        low = min(low, float(part.min(where=is_there, initial=np.inf)))
+        high = max(high, float(part.max(where=is_there, initial=-np.inf)))
+    if low > high:
+        raise ValueError("heights: there is none")
+    return low, high
+
+
+class _Ground:
+    """A raster, north up, in whole steps of heights below a common bending; and the same where nodata is filled."""
+
+    def __init__(
+        self, heights: NDArray[Any], rows: _Axis, columns: _Axis, per_square: float, lattice: float | None
+    ) -> None:
+        self.rows, self.columns = rows, columns
+        x, y = columns.places(), rows.places()
+        self._centre = (x[0] + x[-1]) / 2, (y[0] + y[-1]) / 2
+        self._per_square = per_square
+        low, high = _extremes_of(heights)
+        low -= float(self.drop(x[0], y[0]))  # the deepest
+        self.exponent = _exponent_of(lattice, high - low)
+        self.base = math.floor((low + high) / 2)
+        self.steps = np.empty(heights.shape, np.int32)
+        self.is_absent = np.empty(heights.shape, bool)
+        self.largest_move = 0.0
+        for rows_of_part in _parts_of(rows.size):  # parts stay in the processor's cache
+            bent = heights[rows_of_part].astype(np.float64)
+            bent -= self.base
+            if per_square:
+                bent -= self.drop(x[None, :], y[rows_of_part, None])
+            steps = np.floor(np.ldexp(bent, -self.exponent) + 0.5)
+            is_there = np.isfinite(bent)
+            moved = np.abs(np.ldexp(steps, self.exponent) - bent)
+            self.largest_move = max(self.largest_move, float(moved.max(where=is_there, initial=0)))
+            self.is_absent[rows_of_part] = ~is_there
+            steps[~is_there] = _NONE
+            self.steps[rows_of_part] = steps
+
+    def drop(self, x: Any, y: Any) -> Any:
+        """The depth of the bending: the Earth's curvature less refraction around the raster's centre."""
+        return self._per_square * ((x - self._centre[0]) ** 2 + (y - self._centre[1]) ** 2)
+
+    def filled(self, outside: float) -> NDArray[np.int32]:
+        """The steps, with `outside` where there is no data."""
+        bent = outside - self.base - self.drop(self.columns.places()[None, :], self.rows.places()[:, None])
+        steps = np.clip(np.ceil(np.ldexp(bent, -self.exponent)), 1 - _LIMIT, _LIMIT - 1)
+        return np.where(self.is_absent, steps, self.steps).astype(np.int32)
+
+    def eyes(self, observers: NDArray[np.float64], height: Any, target_height: Any) -> tuple[NDArray[np.int32], float]:
+        """(M, 4) columns, rows, heights and targets' heights as the device takes them; and the largest distance, in
+        cells, by which an observer moved."""
+        above = _per_observer(height, len(observers), "height")
+        below = _per_observer(target_height, len(observers), "target_height")
+        rise, targets = (np.floor(np.ldexp(metres, -self.exponent) + 0.5) for metres in (above, below))
+        for name, steps, least in (("height", rise, 1), ("target_height", targets, 0)):
+            row = _arrays.first_row(np.asarray(~((steps >= least) & (steps < _LIMIT))))
+            if row is not None:
+                lowest, highest = "above 0" if least else "at least 0", math.ldexp(_LIMIT, self.exponent)
+                raise ValueError(f"{name}: must be {lowest} and below {highest:g}, and that of row {row} is not")
+        places = np.stack([(observers[:, 0] - self.columns.first) / self.columns.step,
+                           (observers[:, 1] - self.rows.first) / self.rows.step], axis=1)  # fmt: skip
+        cells = np.floor(places * _SUBCELLS + 0.5)
+        ends = np.array([self.columns.size - 1, self.rows.size - 1]) * _SUBCELLS
+        is_over = np.asarray(((cells >= 0) & (cells <= ends)).all(axis=1))
+        row = _arrays.first_row(~is_over)
+        if row is not None:
+            raise ValueError(f"observers: row {row} {observers[row].tolist()} does not stand on the raster, whose "
+                             f"cells' centres reach from {self._corner(0)} to {self._corner(-1)}")  # fmt: skip
+        moved = float(np.abs(cells / _SUBCELLS - places).max(initial=0))
+        whole = cells.astype(np.int64)
+        eye = self._ground_at(whole, observers) + rise.astype(np.int64)
+        row = _arrays.first_row(eye >= _LIMIT)
+        if row is not None:
+            raise ValueError(f"height: an observer of row {row} is too high above the raster for this step of heights")
+        return np.stack([*whole.T, eye, targets], axis=1).astype(np.int32), moved
+
+    def _corner(self, at: int) -> list[float]:
+        return [float(self.columns.places()[at]), float(self.rows.places()[at])]
+
+    def _ground_at(self, cells: NDArray[np.int64], observers: NDArray[np.float64]) -> NDArray[np.int64]:
+        """The height of the ground below places in sub-cells, on the triangle there, rounded up."""
+        last = np.array([self.columns.size - 2, self.rows.size - 2])
+        corner = np.minimum(cells // _SUBCELLS, last)
+        f, g = (cells - corner * _SUBCELLS).T
+        column, row = corner.T
+        is_south = f + g > _SUBCELLS  # of the diagonal
+        weights = np.where(
+            is_south,
+            np.stack([0 * f, _SUBCELLS - g, _SUBCELLS - f, f + g - _SUBCELLS]),
+            np.stack([_SUBCELLS - f - g, f, g, 0 * f]),
+        )
+        corners = np.stack([self.steps[row + j, column + i] for j in (0, 1) for i in (0, 1)]).astype(np.int64)
+        bad = _arrays.first_row(((corners == _NONE) & (weights != 0)).any(axis=0))
+        if bad is not None:
+            raise ValueError(f"observers: row {bad} {observers[bad].tolist()} stands where the raster has no data")
+        result: NDArray[np.int64] = -(-(corners * weights).sum(axis=0) // _SUBCELLS)
+        return result
+
+    def spans(self, observers: NDArray[np.float64], distance: Any) -> NDArray[np.int32]:
+        """(M, R, 2): the first column of each row within each observer's distance, and the one after the last."""
+        count, rows = len(observers), self.rows.size
+        if distance is None:
+            return np.broadcast_to(np.array([0, self.columns.size], np.int32), (count, rows, 2)).copy()
+        reach = _per_observer(distance, count, "distance")[:, None]
+        across = self.rows.places()[None, :] - observers[:, 1:2]
+        half = np.sqrt(np.maximum(reach**2 - across**2, 0))
+        x = self.columns.places()
+        first = np.searchsorted(x, observers[:, :1] - half, "left")
+        last = np.searchsorted(x, observers[:, :1] + half, "right")
+        return np.stack([first, np.where(np.abs(across) <= reach, last, first)], axis=2).astype(np.int32)
+
+
+def _exponent_of(lattice: float | None, extent: float) -> int:
+    """The exponent of the step of heights: of a power of two, or the finest from 2^-10 m on that holds the extent."""
+    if lattice is None:
+        exponent = FINEST
+        while extent / 2 + 1 > math.ldexp(_LIMIT / 2, exponent):
+            exponent += 1
+        return exponent
+    fraction, exponent = math.frexp(lattice) if lattice > 0 and math.isfinite(lattice) else (0.0, 0)
+    if fraction != 0.5:
+        raise ValueError(f"lattice: the step {lattice!r} is not a power of two, such as 2**-10")
+    if extent / 2 + 1 > math.ldexp(_LIMIT / 2, exponent - 1):
+        raise ValueError(f"lattice: steps of {lattice:g} hold no heights that differ by {extent:g}: take larger ones")
+    return exponent - 1
+
+
+class ViewshedGrid:
+    """A raster on the device that is asked for several viewsheds: viewshed() has the arguments, and the rules.
+
+    heights: (R, C), metres; NaN and masked cells have no data. x, y: (C,), (R,): the cells' centres, equally spaced, in
+    either direction; or cell: the cells' size, a number or (width, depth), with row 0 in the north and the centre of
+    the south-westernmost cell at 0, 0.
+    """
+
+    def __init__(
+        self,
+        heights: Any,
+        *,
+        x: Any = None,
+        y: Any = None,
+        cell: Any = None,
+        nodata: float | None = None,
+        refraction: float | None = REFRACTION,
+        radius: float = EARTH_RADIUS,
+        lattice: float | None = None,
+        device: str | Device | None = None,
+    ) -> None:
+        values = np.asarray(_arrays.on_host(heights, "heights"))
+        side = _gnomon.MAX_GRID_SIDE
+        if values.ndim != 2 or min(values.shape) < 2 or max(values.shape) > side:
+            raise ValueError(f"heights: shape {values.shape} is not (R, C) of 2 to {side} each")
+        _arrays.require_real(values, "heights")
+        _arrays.require_no_fill_values(values, "heights")
+        if (x is None) != (y is None) or (x is None) == (cell is None):
+            raise ValueError("give either x= and y=, the centres of the cells, or cell=, their size")
+        if not radius > 0 or refraction is not None and not refraction < 1:
+            raise ValueError("radius, refraction: radius must be above 0 and refraction below 1, or None for a plane")
+        width, depth = np.broadcast_to(np.asarray(1.0 if cell is None else cell, np.float64), (2,))
+        if not (width > 0 and depth > 0):
+            raise ValueError("cell: must be above 0")
+        columns = _axis_of(x, values.shape[1], "x", float(width))
+        rows = _axis_of(y, values.shape[0], "y", -float(depth))
+        if values.dtype.kind != "f":
+            values = values.astype(np.float64)
+        if nodata is not None:
+            values = np.where(values == nodata, np.nan, values)
+        per_square = 0.0 if refraction is None else (1 - refraction) / (2 * radius)
+        self._ground = _Ground(_turned(values, rows, columns), rows, columns, per_square, lattice)
+        self._device = (
+            device if isinstance(device, Device) else default_device() if device is None else open_device(device)
+        )
+        self._native = self._uploaded(self._ground.steps)
+        self._filled = functools.lru_cache(maxsize=1)(lambda outside: self._uploaded(self._ground.filled(outside)))
+        self.record: dict[str, Any] = {
+            "refraction": refraction,
+            "radius": None if refraction is None else radius,
+            "step": math.ldexp(1.0, self._ground.exponent),
+            "heights_moved_by": self._ground.largest_move,
+        }
+
+    def _uploaded(self, steps: NDArray[np.int32]) -> Any:
+        make = _gnomon.HeightGrid
+        return self._device.call(make, self._device.native, np.ascontiguousarray(steps))
+
+    def viewshed(
+        self,
+        observers: Any,
+        *,
+        height: Any = 2.0,
+        target_height: Any = 0.0,
+        distance: Any = None,
+        outside: float | None = None,
+        bits: bool = False,
+        progress: Callable[[float], object] | None = None,
+    ) -> Viewshed:
+        """viewshed() of this raster."""
+        places = _observers_of(observers)
+        ground = self._ground
+        eyes, moved = ground.eyes(places, height, target_height)
+        spans = ground.spans(places, distance)
+        shape = (ground.rows.size, ground.columns.size)
+
+        def look(native: Any) -> tuple[NDArray[np.uint32], NDArray[np.uint32]]:
+            counts, words = self._device.call(native.look_from, eyes, spans, bits, progress)
+            return (
+                _turned(counts.reshape(shape), ground.rows, ground.columns),
+                _turned(words.reshape(-1, *shape), ground.rows, ground.columns),
+            )
+
+        counts, words = look(self._native)
+        undecided, open_words = np.zeros_like(counts), np.zeros_like(words)
+        if outside is not None and ground.is_absent.any():
+            certain, certain_words = look(self._filled(float(outside)))
+            is_there = ~_turned(ground.is_absent, ground.rows, ground.columns)
+            certain, certain_words = certain * is_there.astype(np.uint32), certain_words * is_there.astype(np.uint32)
+            undecided, open_words = counts - certain, words & ~certain_words
+            counts, words = certain, certain_words
+        absent = _turned(ground.is_absent, ground.rows, ground.columns)
+        record = {**self.record, "observers_moved_by_cells": moved, "outside": outside}
+        return Viewshed(
+            counts, undecided, absent, words if bits else None, open_words if bits else None, len(places), record
+        )
+
+    def least_heights(
+        self, observer: Any, *, height: float = 2.0, target_height: float = 0.0, distance: float | None = None
+    ) -> NDArray[np.float64]:
+        """(R, C): the height above the ground from which each cell is seen by one observer, from target_height on: the
+        least whole number of steps at which the cell is seen, by exact decisions. NaN where there is no data or beyond
+        the distance; infinite above 2^31 steps."""
+        places = _observers_of(np.reshape(np.asarray(observer, np.float64), (1, 2)))
+        ground = self._ground
+        eyes, _ = ground.eyes(places, height, target_height)
+        spans = ground.spans(places, distance)
+        steps = self._device.call(self._native.least_heights, eyes, spans).reshape(ground.steps.shape)
+        metres = np.ldexp(steps.astype(np.float64), ground.exponent)
+        metres[steps == _NONE] = np.nan
+        metres[steps == np.iinfo(np.int32).max] = np.inf
+        return _turned(metres, ground.rows, ground.columns)
+
+
+def _observers_of(observers: Any) -> NDArray[np.float64]:
+    places = np.asarray(_arrays.on_host(observers, "observers"))
+    if places.ndim == 1:
+        places = places[None]
+    if places.ndim != 2 or places.shape[1] != 2 or not len(places):
+        raise ValueError(f"observers: shape {places.shape} is not (M, 2), x and y of each observer")
+    _arrays.require_real(places, "observers")
+    row = _arrays.first_row(~np.isfinite(places).all(axis=1))
+    if row is not None:
+        raise ValueError(f"observers: row {row} {places[row].tolist()} is not finite")
+    return places.astype(np.float64)
+
+
+def viewshed(
+    heights: Any,
+    observers: Any,
+    *,
+    x: Any = None,
+    y: Any = None,
+    cell: Any = None,
+    height: Any = 2.0,
+    target_height: Any = 0.0,
+    distance: Any = None,
+    nodata: float | None = None,
+    outside: float | None = None,
+    refraction: float | None = REFRACTION,
+    radius: float = EARTH_RADIUS,
+    lattice: float | None = None,
+    bits: bool = False,
+    progress: Callable[[float], object] | None = None,
+    device: str | Device | None = None,
+) -> Viewshed:
+    """Which cells of a raster each observer sees: what following each line of sight would answer in exact arithmetic.
+
+    A raster's cells are vertices at their centres, four of them two triangles with the diagonal from south-west to
+    north-east, as in gnomon.study(). A cell is seen if all of the open line between it and the observer's eye that lies
+    over the ground is strictly above it.
+
+    heights, x, y, cell: the raster, in metres (ViewshedGrid). observers: (M, 2), x and y, rounded to 1/256 of a cell.
+    height: of eyes above the ground below them, which is rounded up; above 0. target_height: of what is looked at above
+        the cells. distance: cells farther away (on the map) are not seen. Each a number, or one for each observer.
+    nodata: a value of cells without data, beside NaN, masks and what a DataArray declares. Nothing stands there, unless
+    outside: the greatest height of what may stand there. What is seen past it alone is then undecided.
+    refraction: k: the ground sinks with the squared distance d by d^2 (1 - k) / 2 radius, 1/7 as GDAL has it; None: the
+        ground is a plane. Bending around another place adds an affine function of x and y to all heights, which changes
+        no answer: all observers share one raster.
+    lattice: the step of heights, a power of two; None: 2^-10 m, or the finest that holds the raster. Heights are
+        rounded to it once, after bending.
+    bits: return each answer, too. progress: called with the part that is done; if it returns False, gnomon.Cancelled is
+        raised.
+
+    Returns a Viewshed. Raises ValueError with the argument's name and the first bad row, MemoryError,
+    DeviceNotFoundError, Cancelled.
+    """
+    grid = ViewshedGrid(
+        heights, x=x, y=y, cell=cell, nodata=nodata, refraction=refraction, radius=radius, lattice=lattice,
+        device=device,
+    )  # fmt: skip
+    return grid.viewshed(
+        observers, height=height, target_height=target_height, distance=distance, outside=outside, bits=bits,
+        progress=progress,
+    )  # fmt: skip

@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: MIT
+"""The lit share of surfaces, as intervals that are proven to contain it (docs/integrations.md)."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _arrays, _gnomon
+from . import _lattice as _world
+
+#: A polygon whose corners lie farther off one plane than this part of its extent is named in Surfaces.not_planar.
+PLANAR = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Surfaces:
+    """Polygons as triangles, made by polygons().
+
+    triangles: (F, 3, 3), those of the polygons, then the occluders'.
+    faces: (F,) the polygon that a triangle is part of; -1 for an occluder.
+    not_planar: the rows of polygons that lie in no plane; they are taken as their triangles.
+    """
+
+    triangles: NDArray[np.float64]
+    faces: NDArray[np.int32]
+    not_planar: NDArray[np.int64]
+
+
+class LitFractions(NamedTuple):
+    """low, high: (faces, suns) the lit share of each face is at least and at most this.
+    centroid: (faces, suns, 3) of the part that is proven lit, NaN where there is none; None unless asked for.
+    """
+
+    low: NDArray[np.float64]
+    high: NDArray[np.float64]
+    centroid: NDArray[np.float64] | None
+
+    def shaded(self) -> NDArray[np.float64]:
+        """(faces, suns) the middle of each interval as pvlib's shaded fraction: 1 where nothing is lit."""
+        return 1 - (self.low + self.high) / 2
+
+    def write_table(self, path: str | os.PathLike[str], names: Sequence[str], times: Sequence[Any]) -> None:
+        """A CSV file with a row for each time and two columns, lowest and highest share, for each face."""
+        columns = [f"{name} {end}" for name in _checked(names, times, self.low) for end in ("low", "high")]
+        both = np.stack([self.low, self.high], axis=1)
+        rows = [f"{t}," + ",".join(f"{v:.9g}" for v in both[:, :, m].reshape(-1)) + "\n" for m, t in enumerate(times)]
+        Path(path).write_text(",".join(["time", *columns]) + "\n" + "".join(rows))
+
+    def write_energyplus(self, path: str | os.PathLike[str], names: Sequence[str], times: Sequence[Any]) -> None:
+        """The middles in the layout of the file that EnergyPlus writes as its external shading results, for its
+        Schedule:File:Shading. times: the end of each time step, with month, day, hour and minute. Not run there."""
+        head = "Surface Name," + "".join(f"{name}," for name in _checked(names, times, self.low))
+        middle = (self.low + self.high) / 2
+        rows = [f" {t:%m/%d %H:%M}," + "".join(f"{v:.8f}," for v in middle[:, m]) + "\n" for m, t in enumerate(times)]
+        Path(path).write_text(head + "\n" + "".join(rows))
+
+
+def _checked(names: Sequence[str], times: Sequence[Any], shares: NDArray[np.float64]) -> Sequence[str]:
+    if (len(names), len(times)) != shares.shape:
+        faces, suns = shares.shape
+        raise ValueError(f"{len(names)} names and {len(times)} times for {faces} faces and {suns} suns")
+    for name in names:
+        if "," in name or "\n" in name or not name:
+            raise ValueError(f"names: {name!r} is empty, or has a comma or a new line")
+    return names
+
+
+def polygons(rings: Iterable[Sequence[ArrayLike]], occluders: ArrayLike | None = None) -> Surfaces:
+    """Surfaces of polygons in space. Needs gnomon[study], whose earcut cuts them into triangles.
+
+    rings: of each polygon its outer ring (n, 3), counter-clockwise as seen from its front, then its holes.
+    occluders: (F, 3, 3) more triangles, which have no share of their own.
+    """
+    from .studies.cityjson import triangulated
+
+    found, not_planar = [], []
+    for row, polygon in enumerate(rings):
+        parts = [np.asarray(ring, np.float64).reshape(-1, 3) for ring in polygon]
+        if not parts or any(len(part) < 3 or not np.isfinite(part).all() for part in parts):
+            raise ValueError(f"polygons: row {row} has a ring with fewer than three corners, or one that is not finite")
+        triangles = triangulated(parts)
+        normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]).sum(axis=0)
+        corners = np.concatenate(parts)
+        extent = np.ptp(corners, axis=0).max()
+        if np.linalg.norm(normal) <= 1e-12 * extent**2:
+            raise ValueError(f"polygons: row {row} has no area")
+        if np.abs((corners - corners[0]) @ normal).max() > PLANAR * extent * np.linalg.norm(normal):
+            not_planar.append(row)
+        found.append(triangles)
+    more = np.empty((0, 3, 3)) if occluders is None else np.asarray(occluders, np.float64).reshape(-1, 3, 3)
+    faces = np.concatenate([np.repeat(np.arange(len(found)), [len(t) for t in found]), np.full(len(more), -1)])
+    return Surfaces(np.concatenate([*found, more]), faces.astype(np.int32), np.array(not_planar, np.int64))
+
+
+def lit_fractions(
+    triangles: ArrayLike | Surfaces,
+    directions: ArrayLike,
+    faces: ArrayLike | None = None,
+    *,
+    within: float = 0.01,
+    limit: int = 10_000,
+    lattice: float | None = None,
+    centroids: bool = False,
+    threads: int | None = None,
+) -> LitFractions:
+    """The share of each face's area that each of many suns reaches, as an interval that contains it.
+
+    triangles: Surfaces; or (F, 3, 3), counter-clockwise as seen from their fronts, all of which cast shadows.
+    directions: (M, 3) along which light travels, each rounded once to float32.
+    faces: (F,) the number of the planar face that a triangle is part of, from 0 on; -1 for an occluder alone. The
+        triangles of one face do not shadow each other. Default: each triangle is a face.
+    within: intervals are refined until each is at most this wide.
+    limit: the subtractions of shadows from one triangle under one sun, after which its interval stays as it is.
+    lattice: the step, a power of two, to which coordinates are snapped once; default: the finest that holds them.
+    centroids: find the centroids of the lit parts, too.
+
+    A share is that of gnomon's points: what lies on the back, and what a closed triangle strictly above the face's
+    plane blocks, is dark. The width of an interval holds all that is undecided, and the bound of all rounding.
+    """
+    if isinstance(triangles, Surfaces):
+        return lit_fractions(
+            triangles.triangles, directions, triangles.faces, within=within, limit=limit, lattice=lattice,
+            centroids=centroids, threads=threads,
+        )  # fmt: skip
+    scene = _world.lattice_of(np.ascontiguousarray(_arrays.triangles_of(triangles, None), np.float64), lattice)
+    towards = -np.asarray(directions, np.float64).astype(np.float32)
+    if towards.ndim != 2 or towards.shape[1] != 3:
+        raise ValueError(f"directions: shape {towards.shape} is not (M, 3)")
+    length = np.abs(towards.astype(np.float64)).sum(axis=1)
+    bad = _arrays.first_row(~(np.isfinite(length) & (length > 0)))
+    if bad is not None:
+        raise ValueError(f"directions: row {bad} {(-towards[bad]).tolist()} is zero or not finite in float32")
+    of = np.arange(len(scene.triangles)) if faces is None else np.asarray(faces)
+    if of.shape != (len(scene.triangles),) or of.dtype.kind not in "iu":
+        raise ValueError(f"faces: must be {len(scene.triangles)} whole numbers, one per triangle")
+    if not 0 < within <= 1 or limit < 0:
+        raise ValueError(f"within: {within!r} is not above 0 and at most 1, or limit: {limit!r} is negative")
+    count = int(of.max(initial=-1)) + 1
+    steps = np.ascontiguousarray(scene.triangles / np.float32(scene.step), np.int32).reshape(-1, 9)
+    _require_areas(steps, of, count)
+    low, high, centroid = _gnomon.lit_fractions(
+        steps, np.ascontiguousarray(of, np.int32), count, np.ascontiguousarray(towards), float(within), int(limit),
+        max(1, threads or os.cpu_count() or 1), centroids,
+    )  # fmt: skip
+    places = centroid.transpose(1, 0, 2) * scene.step + scene.origin if centroids else None
+    return LitFractions(low.T, high.T, places)
+
+
+def _require_areas(steps: NDArray[np.int32], of: NDArray[Any], count: int) -> None:
+    corners = steps.reshape(-1, 3, 3).astype(np.int64)
+    edges = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    has_area = np.cross(*edges).any(axis=1) & (of >= 0)
+    empty = np.flatnonzero(np.bincount(of[has_area], minlength=count) == 0)
+    if empty.size:
+        raise ValueError(f"faces: face {empty[0]} has no triangle with an area on the lattice ({empty.size:,} are so)")

@@ -1,0 +1,184 @@
+# SPDX-License-Identifier: MIT
+"""The accessor `gnomon` of xarray.DataArray: importing this module registers it.
+
+    import gnomon.xarray
+    seen = dem.gnomon.viewshed((691_080, 5_334_940)).seen
+    hours = dem.gnomon.sun_hours(start="2026-06-21", end="2026-06-22", utc_offset=1)
+
+dem: heights in metres on a map in metres, of two dimensions of any names (others must have length 1), equally spaced in
+either direction. NaN and the values that the attributes declare are no data. Results keep coordinates, CRS and chunks,
+and attributes that do not speak of heights; of a dask array they are lazy, and the array is then read as a whole.
+"""
+
+from __future__ import annotations
+
+import functools
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray
+from numpy.typing import NDArray
+
+from ._study import NEEDS
+from ._viewshed import EARTH_RADIUS, REFRACTION, ViewshedGrid
+
+#: Attributes of heights that do not hold for results.
+_OF_HEIGHTS = ("units", "long_name", "standard_name", "_FillValue", "missing_value", "nodata", "scale_factor",
+               "add_offset", "valid_range", "valid_min", "valid_max", "actual_range", "STATISTICS_MINIMUM",
+               "STATISTICS_MAXIMUM", "STATISTICS_MEAN", "STATISTICS_STDDEV", "STATISTICS_VALID_PERCENT")  # fmt: skip
+_EASTWARDS = ("x", "lon", "longitude", "easting", "east", "projection_x_coordinate")
+
+#: Takes heights (R, C), with NaN where there is no data, and gives layers (n, R, C).
+_Layers = Callable[[NDArray[np.float64]], NDArray[np.float32]]
+
+
+@xarray.register_dataarray_accessor("gnomon")
+class GnomonAccessor:
+    """Of a DataArray of heights: see this module."""
+
+    def __init__(self, dem: xarray.DataArray) -> None:
+        self._dem = dem
+
+    def viewshed(
+        self,
+        observers: Any,
+        *,
+        height: Any = 2.0,
+        target_height: Any = 0.0,
+        distance: Any = None,
+        outside: float | None = None,
+        refraction: float | None = REFRACTION,
+        radius: float = EARTH_RADIUS,
+        x_dim: str | None = None,
+    ) -> xarray.Dataset:
+        """A Dataset of `seen` and `undecided`, the numbers of observers that see each cell, and that may see it;
+        float32, NaN where there is no data. The arguments are those of gnomon.viewshed(). x_dim: the dimension that
+        runs eastwards, if its name is not one of the usual ones, and it is not the last one."""
+        dem, x, y = self._flat(x_dim)
+        _require_metres(dem)
+
+        def layers(heights: NDArray[np.float64]) -> NDArray[np.float32]:
+            grid = ViewshedGrid(heights, x=x, y=y, refraction=refraction, radius=radius)
+            found = grid.viewshed(
+                observers, height=height, target_height=target_height, distance=distance, outside=outside
+            )
+            both = np.stack([found.counts, found.undecided]).astype(np.float32)
+            both[:, found.is_absent] = np.nan
+            return both
+
+        seen, undecided = self._results(dem, layers, 2)
+        text = "plane" if refraction is None else f"{refraction:.6g}"
+        made = {"units": "1", "gnomon_refraction": text}
+        return xarray.Dataset(
+            {
+                "seen": seen.assign_attrs({**made, "long_name": "observers that see the cell"}),
+                "undecided": undecided.assign_attrs({**made, "long_name": "observers that may see the cell"}),
+            }
+        )
+
+    def sun_hours(self, *, x_dim: str | None = None, crs: Any = None, **settings: Any) -> xarray.DataArray:
+        """Hours of sun, float32; NaN where there is no data, or an answer is undecided. settings: start=, end=, step=,
+        utc_offset= and the others of gnomon.study() (docs/studies.md). crs: of the coordinates, if `dem` does not say
+        it. Needs pip install 'gnomon[study]'."""
+        dem, x, y = self._flat(x_dim)
+        known = crs if crs is not None else _crs_of(dem)
+        if known is None:
+            raise ValueError("crs: the heights have no CRS, which gives the place on the Earth: give crs=")
+        _require_metres(dem, known)
+        layers = functools.partial(_sun_hours, x=x, y=y, crs=known, settings=settings)
+        (hours,) = self._results(dem, layers, 1)
+        return hours.rename("sun_hours").assign_attrs(units="h", long_name="hours of sun")
+
+    def _flat(self, x_dim: str | None) -> tuple[xarray.DataArray, NDArray[np.float64], NDArray[np.float64]]:
+        """The heights with dimensions northwards (or southwards) and eastwards; the cells' centres."""
+        dem = self._dem.squeeze()
+        if dem.ndim != 2:
+            raise ValueError(f"heights: has the dimensions {dict(self._dem.sizes)}, and must have two above 1")
+        if x_dim is None:
+            named = [name for name in dem.dims if str(name).lower() in _EASTWARDS]
+            x_dim = str(named[0]) if len(named) == 1 else str(dem.dims[1])
+        if x_dim not in dem.dims:
+            raise ValueError(f"x_dim: {x_dim!r} is none of the dimensions {', '.join(map(str, dem.dims))}")
+        (y_dim,) = (name for name in dem.dims if name != x_dim)
+        for name in (x_dim, y_dim):
+            if name not in dem.coords:
+                raise ValueError(f"heights: the dimension {name!r} has no coordinates")
+        dem = dem.transpose(y_dim, x_dim)
+        return dem, dem[x_dim].values.astype(np.float64), dem[y_dim].values.astype(np.float64)
+
+    def _results(self, dem: xarray.DataArray, layers: _Layers, count: int) -> list[xarray.DataArray]:
+        """The layers that `layers` makes of the heights, as arrays like `dem`, in the caller's order of dimensions."""
+        no_data = [dem.attrs[key] for key in ("_FillValue", "missing_value", "nodata") if key in dem.attrs]
+
+        def run(values: Any) -> NDArray[np.float32]:
+            heights = np.ma.filled(np.ma.asarray(values).astype(np.float64), np.nan)
+            for value in np.ravel(no_data):
+                heights[heights == value] = np.nan
+            return layers(heights)
+
+        if dem.chunks is None:
+            found = run(dem.data)
+        else:
+            import dask.array
+
+            found = dask.array.map_blocks(
+                run, dem.data.rechunk(-1), dtype=np.float32, new_axis=0, meta=np.empty((0, 0, 0), np.float32),
+                chunks=((count,), *((n,) for n in dem.shape)),
+            ).rechunk((count, *dem.chunks))  # fmt: skip
+        attrs = {key: value for key, value in dem.attrs.items() if key not in _OF_HEIGHTS}
+        order = [name for name in self._dem.dims if name in dem.dims]
+        results = []
+        for i in range(count):
+            result = xarray.DataArray(found[i], dem.coords, dem.dims, attrs=attrs).transpose(*order)
+            if "grid_mapping" in dem.encoding:
+                result.encoding["grid_mapping"] = dem.encoding["grid_mapping"]
+            results.append(result)
+        return results
+
+
+def _crs_of(dem: xarray.DataArray) -> Any:
+    """The CRS that rioxarray, or a coordinate or attribute as it writes them, gives; None if there is none."""
+    name = dem.encoding.get("grid_mapping", dem.attrs.get("grid_mapping", "spatial_ref"))
+    if name in dem.coords:
+        for key in ("crs_wkt", "spatial_ref"):
+            if dem.coords[name].attrs.get(key):
+                return dem.coords[name].attrs[key]
+    return dem.attrs.get("crs")
+
+
+def _require_metres(dem: xarray.DataArray, crs: Any = None) -> None:
+    known = crs if crs is not None else _crs_of(dem)
+    if known is None:
+        return
+    try:
+        from .studies.units import require_metres
+    except ModuleNotFoundError as error:
+        raise ImportError(NEEDS.format(error.name)) from None
+    require_metres("heights", known)
+
+
+def _sun_hours(
+    heights: NDArray[np.float64], x: NDArray[np.float64], y: NDArray[np.float64], crs: Any, settings: dict[str, Any]
+) -> NDArray[np.float32]:
+    """Runs a study of these heights in a folder of its own."""
+    import rasterio
+
+    from . import study
+
+    turns = slice(None, None, -1 if y[-1] > y[0] else 1), slice(None, None, -1 if x[-1] < x[0] else 1)
+    dx, dy = abs(x[-1] - x[0]) / (len(x) - 1), abs(y[-1] - y[0]) / (len(y) - 1)
+    grid = rasterio.Affine(dx, 0, x.min() - dx / 2, 0, -dy, y.max() + dy / 2)
+    with tempfile.TemporaryDirectory(prefix="gnomon-") as folder:
+        raster = str(Path(folder) / "heights.tif")
+        with rasterio.open(
+            raster, "w", driver="GTiff", width=len(x), height=len(y), count=1, dtype="float64", nodata=np.nan, crs=crs,
+            transform=grid,
+        ) as file:  # fmt: skip
+            file.write(heights[turns], 1)
+        asked = {"outputs": ["hours"], "progress": False} | settings
+        data = study(Path(folder) / "study", raster=raster, **asked).dataset()
+        hours = np.where(data.undecided_hours.values == 0, data.sun_hours.values, np.nan)
+        return hours[turns].astype(np.float32)[None]

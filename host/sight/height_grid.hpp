@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+// Lines of sight over a grid of heights on a device (kernels/sight/sight_lines.h has the rules, and the ranges of all
+// numbers).
+#pragma once
+
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "cl/session.hpp"
+#include "kernels/sight/sight_lines.h"
+
+namespace gnomon {
+
+/// An eye above the ground: its place in sub-cells, its height in steps; and what it looks at.
+struct Eye {
+    std::int32_t x = 0, y = 0, height = 0;
+    std::int32_t target_height = 0;  ///< steps above the ground
+};
+
+/// The first target column of each row, and the one after the last.
+using Spans = std::span<const std::int32_t>;
+
+class HeightGrid {
+public:
+    /// The heights of rows x columns cells, in steps; NO_HEIGHT for none. Throws InvalidArgument.
+    HeightGrid(const Device& device, std::span<const std::int32_t> heights, std::uint32_t columns);
+
+    /// What the eye sees of each cell: SIGHT_HIDDEN, also for cells outside the spans, SIGHT_SEEN or SIGHT_ABSENT.
+    /// `sweeps`: most cells are decided by the sweep (the same answers).
+    std::vector<std::uint8_t> look(const Eye& eye, Spans spans, bool sweeps = true);
+    /// The least height above the ground, from the targets' on, at which each cell is seen, in steps; NO_HEIGHT for
+    /// cells without a height or outside the spans, INT_MAX for those that no height serves.
+    std::vector<std::int32_t> least_heights(const Eye& eye, Spans spans);
+
+    /// What several eyes see: per cell the number of eyes that see it, and, if asked for, a word for each 32 eyes, one
+    /// plane after the other.
+    struct Seen {
+        std::vector<std::uint32_t> counts, words;
+    };
+    /// `spans` has those of one eye after the other. `progress` is called after each eye; if it returns false,
+    /// Cancelled is thrown.
+    Seen look_from(std::span<const Eye> eyes, Spans spans, bool wants_words,
+                   const std::function<bool(double)>& progress = {});
+
+private:
+    SightGrid begin(const Eye& eye, Spans spans);
+    void decide(const SightGrid& grid, bool sweeps);
+    void sweep(const SightGrid& grid, bool is_along_y, int direction);
+    std::size_t cells() const { return std::size_t(grid_.columns) * std::size_t(grid_.rows); }
+
+    Device device_;
+    SightGrid grid_{};
+    cl::Buffer heights_, patch_tops_, spans_, answers_;
+};
+
+}  // namespace gnomon

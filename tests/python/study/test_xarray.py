@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: MIT
+"""The accessor of xarray: the answers of gnomon.viewshed() and gnomon.study(), whatever the array looks like."""
+
+import gnomon
+import gnomon.xarray  # noqa: F401
+import numpy as np
+import pytest
+import xarray
+from made import UTM, city, run, write_raster
+
+EAST, NORTH = 512_012.5 + 25.0 * np.arange(40), 5_002_387.5 - 25.0 * np.arange(40)
+PLACE = [512_400.0, 5_002_010.0]
+DAY = {"start": "2026-06-20", "end": "2026-06-21", "step": "2h", "utc_offset": 1}
+
+
+def dem_of(heights=None, dims=("y", "x"), crs=UTM):
+    coords = {dims[0]: NORTH, dims[1]: EAST, "spatial_ref": ((), 0, {"crs_wkt": rasterio_wkt(crs)})}
+    attrs = {"units": "m", "AREA_OR_POINT": "Area", "grid_mapping": "spatial_ref"}
+    return xarray.DataArray(city(40) if heights is None else heights, coords, dims, attrs=attrs)
+
+
+def rasterio_wkt(crs):
+    import rasterio
+
+    return rasterio.crs.CRS.from_string(crs).to_wkt()
+
+
+@pytest.fixture(scope="module")
+def expected():
+    found = gnomon.viewshed(city(40), PLACE, x=EAST, y=NORTH, height=60, outside=300.0)
+    assert found.counts.any() and found.undecided.any() and found.is_absent.any()
+    return [np.where(found.is_absent, np.nan, one).astype(np.float32) for one in (found.counts, found.undecided)]
+
+
+def same(found, expected):
+    for name, values in zip(("seen", "undecided"), expected, strict=True):
+        np.testing.assert_array_equal(found[name].values, values)
+
+
+def test_a_viewshed_keeps_coordinates_and_attributes(expected):
+    dem = dem_of()
+    found = dem.gnomon.viewshed(PLACE, height=60, outside=300.0)
+    same(found, expected)
+    assert found.seen.dims == ("y", "x") and found.seen.coords.equals(dem.coords)
+    assert found.seen.attrs["AREA_OR_POINT"] == "Area" and found.seen.attrs["grid_mapping"] == "spatial_ref"
+    assert found.seen.attrs["units"] == "1" and found.seen.attrs["gnomon_refraction"] == "0.142857"
+
+
+def test_any_order_and_any_names(expected):
+    up = dem_of()[::-1]
+    same(up.gnomon.viewshed(PLACE, height=60, outside=300.0)[{"y": slice(None, None, -1)}], expected)
+    westwards = dem_of()[:, ::-1]
+    same(westwards.gnomon.viewshed(PLACE, height=60, outside=300.0)[{"x": slice(None, None, -1)}], expected)
+    odd = dem_of(dims=("hochwert", "rechtswert"))
+    assert odd.gnomon.viewshed(PLACE, height=60, outside=300.0).seen.dims == ("hochwert", "rechtswert")
+    same(odd.gnomon.viewshed(PLACE, height=60, outside=300.0), expected)
+    turned = odd.transpose()
+    found = turned.gnomon.viewshed(PLACE, height=60, outside=300.0, x_dim="rechtswert")
+    assert found.seen.dims == ("rechtswert", "hochwert")
+    same(found.transpose(), expected)
+    same(dem_of().transpose().gnomon.viewshed(PLACE, height=60, outside=300.0).transpose("y", "x"), expected)
+    with_band = dem_of().expand_dims(band=[1])
+    same(with_band.gnomon.viewshed(PLACE, height=60, outside=300.0), expected)
+
+
+def test_dask_is_lazy_and_keeps_chunks(expected):
+    calls = []
+    lazy = dem_of().chunk(y=16, x=10)
+    lazy = lazy.copy(data=lazy.data.map_blocks(lambda a: calls.append(1) or a, meta=np.empty((0, 0))))
+    found = lazy.gnomon.viewshed(PLACE, height=60, outside=300.0)
+    hours = lazy.gnomon.sun_hours(**DAY)
+    assert not calls and found.seen.chunks == lazy.chunks == hours.chunks
+    same(found.compute(), expected)
+    assert len(calls) >= 12
+
+
+def test_absent_heights_of_every_kind(expected):
+    whole = np.where(np.isnan(city(40)), -9999, city(40))
+    declared = dem_of(whole).assign_attrs(_FillValue=-9999.0)
+    found = declared.gnomon.viewshed(PLACE, height=60, outside=300.0)
+    same(found, expected)
+    assert "_FillValue" not in found.seen.attrs
+    masked = dem_of().chunk(y=20)
+    masked = masked.copy(data=masked.data.map_blocks(lambda a: np.ma.masked_invalid(a), meta=np.ma.empty((0, 0))))
+    same(masked.gnomon.viewshed(PLACE, height=60, outside=300.0), expected)
+
+
+def test_with_rioxarray(tmp_path, expected):
+    rioxarray = pytest.importorskip("rioxarray")
+    path = write_raster(tmp_path / "dem.tif", city(40))
+    for masked in (True, False):
+        dem = rioxarray.open_rasterio(path, masked=masked)
+        found = dem.gnomon.viewshed(PLACE, height=60, outside=300.0)
+        same(found, expected)
+        assert found.seen.rio.crs == dem.rio.crs and found.seen.rio.transform() == dem.rio.transform()
+
+
+def test_sun_hours_are_those_of_the_study(tmp_path):
+    study = run(tmp_path / "study", raster=write_raster(tmp_path / "dem.tif", city(40)), **DAY)
+    expected = study.dataset().sun_hours.values.astype(np.float32)
+    hours = dem_of(city(40).astype(np.float32))[::-1].gnomon.sun_hours(**DAY)
+    np.testing.assert_array_equal(hours.values[::-1], expected)
+    assert hours.attrs["units"] == "h" and np.nanmax(expected) > 6
+    bare = dem_of().drop_vars("spatial_ref").gnomon.sun_hours(crs=UTM, **DAY)
+    assert bare.equals(dem_of().gnomon.sun_hours(**DAY).drop_vars("spatial_ref"))
+
+
+def test_wrong_arrays_are_named():
+    with pytest.raises(ValueError, match="must have two"):
+        xarray.DataArray(np.zeros((2, 3, 4))).gnomon.viewshed([0, 0])
+    with pytest.raises(ValueError, match="has no coordinates"):
+        xarray.DataArray(np.zeros((3, 4))).gnomon.viewshed([0, 0])
+    with pytest.raises(ValueError, match="x_dim: 'z' is none of"):
+        dem_of().gnomon.viewshed(PLACE, x_dim="z")
+    with pytest.raises(ValueError, match="degrees"):
+        dem_of(crs="EPSG:4326").gnomon.viewshed(PLACE)
+    with pytest.raises(ValueError, match="crs: the heights have no CRS"):
+        dem_of().drop_vars("spatial_ref").gnomon.sun_hours(**DAY)

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: MIT
+// Lines of sight over grids of heights: the sweep and all kinds of kernels give the answers of lines that are followed
+// one by one, and these are right where they are known. (tests/python/test_viewshed.py compares with rational numbers.)
+#include "sight/height_grid.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <climits>
+#include <random>
+
+#include "support/device.hpp"
+
+namespace {
+
+using namespace support;
+using Heights = std::vector<std::int32_t>;
+
+// Rough hills that fall away from their middle, with holes.
+Heights hills(int rows, int columns, unsigned seed) {
+    std::mt19937 random(seed);
+    Heights heights;
+    for (int y = 0; y < rows; ++y)
+        for (int x = 0; x < columns; ++x) {
+            const int dx = x - columns / 2, dy = y - rows / 2;
+            const int height = 2 * (dx * dx + dy * dy) + int(random() % 900);
+            heights.push_back(random() % 97 == 0 ? NO_HEIGHT : height);
+        }
+    return heights;
+}
+
+std::vector<std::int32_t> whole_rows(int rows, int columns) {
+    std::vector<std::int32_t> spans;
+    for (int y = 0; y < rows; ++y) spans.insert(spans.end(), {0, columns});
+    return spans;
+}
+
+constexpr int rows = 120, columns = 170;
+
+TEST(HeightGrid, SameAnswersWithEveryKernel) {
+    const Heights heights = hills(rows, columns, 1);
+    const auto spans = whole_rows(rows, columns);
+    const gnomon::Eye eyes[] = {{85 * SUBCELLS, 60 * SUBCELLS, 2500, 0},
+                                {85 * SUBCELLS + 100, 59 * SUBCELLS + 31, 1500, 200},
+                                {3 * SUBCELLS + 1, 2 * SUBCELLS, 30000, 0},
+                                {169 * SUBCELLS, 119 * SUBCELLS, 22100, 100}};
+    gnomon::HeightGrid first(device_with(), heights, columns);
+    for (const gnomon::Eye& eye : eyes) {
+        const auto expected = first.look(eye, spans, false);
+        const auto seen = std::ranges::count(expected, std::uint8_t(SIGHT_SEEN));
+        EXPECT_GT(seen, rows * columns / 100);
+        EXPECT_LT(seen, rows * columns * 9 / 10);
+        EXPECT_EQ(first.look(eye, spans), expected);
+        for (const bool gpu_kernels : {false, true})
+            for (const bool sweeps : {false, true})
+                EXPECT_EQ(gnomon::HeightGrid(device_of(gpu_kernels), heights, columns).look(eye, spans, sweeps),
+                          expected);
+        EXPECT_EQ(gnomon::HeightGrid(device_with(3), heights, columns).look(eye, spans), expected);
+    }
+}
+
+// A wall across a plane: columns behind it are seen from a height above the ground that grows with the distance.
+TEST(HeightGrid, LeastHeightsBehindAWall) {
+    Heights heights(32 * 40, 0);
+    for (int y = 0; y < 32; ++y) heights[y * 40 + 10] = 1000;
+    gnomon::HeightGrid grid(device_with(), heights, 40);
+    const auto least = grid.least_heights({5 * SUBCELLS, 16 * SUBCELLS, 500, 0}, whole_rows(32, 40));
+    for (int x = 0; x < 40; ++x) {
+        // From 500 at column 5 over 1,000 at column 10, and strictly above: 500 + 100 (x - 5) + 1.
+        const int expected = x <= 10 ? 0 : 1 + 100 * x;
+        EXPECT_EQ(least[16 * 40 + x], expected) << x;
+    }
+    const std::size_t behind = 16 * 40 + 20;
+    for (const int raised : {2000, 2001}) {  // a line that touches the wall's edge is blocked
+        const unsigned expected = raised == 2000 ? SIGHT_HIDDEN : SIGHT_SEEN;
+        EXPECT_EQ(grid.look({5 * SUBCELLS, 16 * SUBCELLS, 500, raised}, whole_rows(32, 40))[behind], expected);
+    }
+    heights[16 * 40 + 6] = MAX_GRID_HEIGHT - 1;
+    gnomon::HeightGrid steep(device_with(), heights, 40);
+    const auto none = steep.least_heights({6 * SUBCELLS - 1, 16 * SUBCELLS, -1000, 0}, whole_rows(32, 40));
+    EXPECT_EQ(none[16 * 40 + 39], INT_MAX) << "no height up to 2^31 serves";
+}
+
+TEST(HeightGrid, SpansLimitTheTargets) {
+    const Heights heights = hills(rows, columns, 2);
+    gnomon::HeightGrid grid(device_with(), heights, columns);
+    const gnomon::Eye eye{85 * SUBCELLS, 60 * SUBCELLS, 4000, 0};
+    const auto all = grid.look(eye, whole_rows(rows, columns));
+    std::vector<std::int32_t> spans;
+    for (int y = 0; y < rows; ++y)
+        spans.insert(spans.end(), {y < 40 || y > 90 ? 0 : 60 + y % 3, y < 40 || y > 90 ? 0 : 99});
+    const auto some = grid.look(eye, spans);
+    for (int y = 0; y < rows; ++y)
+        for (int x = 0; x < columns; ++x) {
+            const std::size_t at = std::size_t(y) * columns + std::size_t(x);
+            const bool is_target = x >= spans[2 * std::size_t(y)] && x < spans[2 * std::size_t(y) + 1];
+            const std::uint8_t beyond = all[at] == SIGHT_ABSENT ? SIGHT_ABSENT : SIGHT_HIDDEN;
+            ASSERT_EQ(some[at], is_target ? all[at] : beyond) << x << ' ' << y;
+        }
+}
+
+TEST(HeightGrid, RefusesWhatIsOutOfRange) {
+    const gnomon::Device device = device_with();
+    const Heights flat(16, 0);
+    EXPECT_THROW(gnomon::HeightGrid(device, flat, 1), gnomon::InvalidArgument);
+    EXPECT_THROW(gnomon::HeightGrid(device, flat, 5), gnomon::InvalidArgument);
+    EXPECT_THROW(gnomon::HeightGrid(device, Heights(16, MAX_GRID_HEIGHT), 4), gnomon::InvalidArgument);
+    gnomon::HeightGrid grid(device, flat, 4);
+    const auto spans = whole_rows(4, 4);
+    EXPECT_THROW(grid.look({-1, 0, 5, 0}, spans), gnomon::InvalidArgument);
+    EXPECT_THROW(grid.look({0, 3 * SUBCELLS + 1, 5, 0}, spans), gnomon::InvalidArgument);
+    EXPECT_THROW(grid.look({0, 0, 5, -1}, spans), gnomon::InvalidArgument);
+    EXPECT_THROW(grid.look({0, 0, 5, 0}, whole_rows(3, 4)), gnomon::InvalidArgument);
+}
+
+}  // namespace
