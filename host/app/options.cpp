@@ -522,7 +522,21 @@ CLI::App* add_devices(CLI::App& app, ListDevices& options) {
     devices->add_option("--device", options.device, "The device to check (default: as for render)")
         ->type_name("P:D|NAME")
         ->needs(check);
+    devices->add_flag("--json", options.prints_json, "Print the check as JSON")->needs(check);
     return devices;
+}
+
+CLI::App* add_bench(CLI::App& app, BenchOptions& options) {
+    CLI::App* bench =
+        app.add_subcommand("bench", "Measures a device in two minutes: known answers and times, on one page to send");
+    const Group add{*bench, "Options"};
+    add("--device", "P:D|NAME", "The device to measure (default: as for render)", name(), into(options.device));
+    add("-o", "FILE.json", "Also write all figures there, as JSON", file_name(".json"), into(options.json));
+    add("--seconds", "N",
+        fmt::format("Begin no further scene after this time (default {}); answers that are\nknown are always checked",
+                    options.seconds),
+        count(1, 3600), into(options.seconds));
+    return bench;
 }
 
 CLI::App* add_techniques(CLI::App& app, ListTechniques& options) {
@@ -618,6 +632,7 @@ HoursOptions hours_options_of(const std::vector<std::string>& arguments) {
 Command parse_command_line(const std::vector<std::string>& arguments) {
     RenderOptions render_options;
     ListDevices devices_options;
+    BenchOptions bench_options;
     ListTechniques techniques_options;
     ExplainOptions explain_options;
     PageOptions page_options;
@@ -636,6 +651,7 @@ Command parse_command_line(const std::vector<std::string>& arguments) {
     CLI::App* const gallery = add_gallery(parser, gallery_options);
     CLI::App* const hours = add_hours(parser, hours_options, place);
     CLI::App* const devices = add_devices(parser, devices_options);
+    CLI::App* const bench = add_bench(parser, bench_options);
     CLI::App* const techniques = add_techniques(parser, techniques_options);
     if (const std::optional<std::string> text = parse_or_text(parser, arguments)) return print(*text);
 
@@ -650,6 +666,7 @@ Command parse_command_line(const std::vector<std::string>& arguments) {
     if (*gallery) return checked(app::gallery, gallery_options);
     if (*devices && devices_options.checks) return checked(check_device, devices_options);
     if (*devices) return [] { print_result(device_list()); };
+    if (*bench) return checked(bench_device, bench_options);
     if (*techniques) return [=] { print_result(technique_list(techniques_options)); };
     return print(help_of(parser));
 }

@@ -17,10 +17,18 @@
 
 namespace gnomon::app {
 
-/// `gnomon devices [--check [--device D]]`
+/// `gnomon devices [--check [--device D] [--json]]`
 struct ListDevices {
     bool checks = false;
-    std::string device;  ///< the one to check; empty: the default
+    bool prints_json = false;  ///< of the check
+    std::string device;        ///< the one to check; empty: the default
+};
+
+/// `gnomon bench`
+struct BenchOptions {
+    std::string device;  ///< empty: the default
+    std::optional<std::filesystem::path> json;
+    std::uint32_t seconds = 120;  ///< after that, no further scene is begun
 };
 
 /// `gnomon techniques [NAME] [--verbose]`
@@ -152,9 +160,14 @@ void gallery(const GalleryOptions& options);
 std::string device_list();
 std::string device_text(const DeviceDescription& device);  ///< its lines of the list
 
-/// `gnomon devices --check`: prints one page about a device: its self-check, answers that are known bit for bit, and
-/// times. Throws DeviceNotFound as Device does, and Error, after the page, if an answer is wrong.
+/// `gnomon devices --check`: prints one page about a device, or the same as JSON: its self-check, answers that are
+/// known bit for bit, and times. Throws DeviceNotFound as Device does, and Error, after the page, if an answer is
+/// wrong.
 void check_device(const ListDevices& options);
+
+/// `gnomon bench`: prints one page about a device: answers of the golden record, and times of whole frames. Throws as
+/// check_device() does.
+void bench_device(const BenchOptions& options);
 
 /// `gnomon techniques`, as text: a line each, with its settings under --verbose. Throws Error with the list for an
 /// unknown name.

@@ -64,23 +64,6 @@ ordered_json light_json(const ChosenLight& chosen) {
     return result;
 }
 
-ordered_json device_json(const DeviceDescription& device) {
-    return {{"selector", device.selector},
-            {"name", device.name},
-            {"platform", device.platform},
-            {"vendor", device.vendor},
-            {"driver_version", device.driver_version},
-            {"opencl_version", device.opencl_version},
-            {"opencl_c_version", device.opencl_c_version},
-            {"type", device.type},
-            {"compute_units", device.compute_units},
-            {"global_memory_bytes", device.global_memory_bytes},
-            {"largest_allocation_bytes", device.largest_allocation_bytes},
-            {"has_fp64", device.has_fp64},
-            {"shares_host_memory", device.shares_host_memory},
-            {"note", device.note}};
-}
-
 /// The report of one light.
 ordered_json light_part_json(const LightReport& light, bool profiled) {
     return {{"light", light_json(light.chosen)},
@@ -248,6 +231,23 @@ std::vector<std::pair<std::string, std::filesystem::path>> outputs_of(const Rend
     add("dump-points", options.point_dump);
     add("stats", options.statistics);
     return outputs;
+}
+
+nlohmann::ordered_json device_json(const DeviceDescription& device) {
+    return {{"selector", device.selector},
+            {"name", device.name},
+            {"platform", device.platform},
+            {"vendor", device.vendor},
+            {"driver_version", device.driver_version},
+            {"opencl_version", device.opencl_version},
+            {"opencl_c_version", device.opencl_c_version},
+            {"type", device.type},
+            {"compute_units", device.compute_units},
+            {"global_memory_bytes", device.global_memory_bytes},
+            {"largest_allocation_bytes", device.largest_allocation_bytes},
+            {"has_fp64", device.has_fp64},
+            {"shares_host_memory", device.shares_host_memory},
+            {"note", device.note}};
 }
 
 nlohmann::ordered_json statistics_json(const Report& report) {

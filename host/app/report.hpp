@@ -62,6 +62,9 @@ struct SequenceReport {
 /// NAME.png as NAME_0007.png: with as many digits as the last of `count` frames needs, at least four.
 std::filesystem::path numbered(const std::filesystem::path& file, std::uint32_t frame, std::uint32_t count);
 
+/// The device, as stats.json has it.
+nlohmann::ordered_json device_json(const DeviceDescription& device);
+
 /// The name of one light's mask among the outputs: "mask", or with several lights "mask_0", "mask_1", ...
 std::string mask_name(std::size_t light, std::size_t light_count);
 

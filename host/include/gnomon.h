@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// gnomon: exact hard shadows as OpenCL kernels. The library's C interface (C11 and C++); gnomon.hpp is the same in C++.
+// gnomon: exact hard shadows as OpenCL kernels, from C (in C++: gnomon.hpp). Stable but for what says: experimental.
 //
 //   gnomon_device_wrap(context, queue, NULL, &device);                       // your own, or gnomon_device_open()
 //   gnomon_triangles_wrap(device, vertices, triangle_count, 0, &triangles);  // your cl_mem, or ..._upload()
@@ -164,7 +164,7 @@ typedef struct gnomon_point_layout {
     size_t first, point_stride, coordinate_stride;
 } gnomon_point_layout;
 
-// ---- World coordinates ----------------------------------------------------------------------------------------------
+// ---- World coordinates (experimental) -------------------------------------------------------------------------------
 
 /// float64 coordinates as float32 without loss: each is snapped once to a whole number of steps of 2^exponent,
 /// floor(x / step + 1/2), and stored as its distance from the origin, which is given in steps. One scene, cut into
@@ -340,7 +340,7 @@ gnomon_status gnomon_triangles_upload(const gnomon_device* device, const float* 
                                       gnomon_triangles** triangles_out);
 /// Uses the caller's memory itself where device and host share memory, and copies it elsewhere. The caller must keep
 /// it, unchanged, until the triangles are destroyed and no work that uses them is left. (Many drivers copy nothing only
-/// if the memory begins at a multiple of 4096 bytes.)
+/// if the memory begins at a multiple of 4096 bytes.) Experimental.
 gnomon_status gnomon_triangles_share(const gnomon_device* device, const float* vertices, size_t count,
                                      gnomon_triangles** triangles_out);
 /// Uses 9 * count floats of the caller's buffer (retained) from `first_float` on. The caller must not write them during
@@ -457,7 +457,7 @@ typedef struct gnomon_points gnomon_points;
 /// count is 0.
 gnomon_status gnomon_points_upload(const gnomon_device* device, const float* positions, size_t count,
                                    const uint32_t* receivers, gnomon_points** points_out);
-/// As gnomon_triangles_share(), for both arrays.
+/// Experimental. As gnomon_triangles_share(), for both arrays.
 gnomon_status gnomon_points_share(const gnomon_device* device, const float* positions, size_t count,
                                   const uint32_t* receivers, gnomon_points** points_out);
 /// Uses the caller's buffers (retained). `layout` NULL: packed xyz triples from the buffer's beginning. `receivers`:
@@ -503,7 +503,7 @@ gnomon_status gnomon_visibility_wrap(const gnomon_device* device, cl_mem buffer,
                                      gnomon_visibility** visibility_out);
 /// The results' place is the caller's `values`, which must be kept until the visibility is destroyed. They are there
 /// after gnomon_visibility_fetch(), from then on until the next run; where device and host share memory, nothing is
-/// copied.
+/// copied. Experimental.
 gnomon_status gnomon_visibility_share(const gnomon_device* device, float* values, size_t count,
                                       gnomon_visibility** visibility_out);
 /// Waits for the queue. Fails if gnomon_visibility_share() did not make the visibility.
@@ -621,7 +621,7 @@ typedef struct gnomon_technique_list {
 
 /// Adds the classic techniques, which are to be measured beside the exact one, to those that gnomon_techniques_list()
 /// lists and gnomon_technique_create() makes. In the library gnomon_full, not in gnomon. Any thread may call it, and
-/// more than once.
+/// more than once. Experimental.
 gnomon_status gnomon_rivals_add(void);
 /// Every technique that was added; the first is the default, "frustum-traced".
 gnomon_status gnomon_techniques_list(const gnomon_technique_list** list_out);
@@ -660,12 +660,12 @@ gnomon_status gnomon_technique_prepare(gnomon_technique* technique, const gnomon
 gnomon_status gnomon_technique_release_prepared_light(gnomon_technique* technique);
 /// Draws how the technique works for each point: 4 bytes (sRGB and alpha) per point to the host. Of the options it
 /// takes a facing by an eye, or none. Fails if there is no diagnostic of this name, or if it needs points that a camera
-/// made.
+/// made. Experimental.
 gnomon_status gnomon_technique_diagnose(gnomon_technique* technique, const char* name,
                                         const gnomon_triangles* triangles, const gnomon_points* points,
                                         gnomon_light light, const gnomon_run_options* options, uint8_t* rgba_out);
 
-// ---- Many lights at once --------------------------------------------------------------------------------------------
+// ---- Many lights at once (experimental) -----------------------------------------------------------------------------
 
 /// Lights with a weight each. Weights are rounded once, for the whole table, to whole numbers times a power of two, so
 /// that a sum of them does not depend on its order (docs/many_lights.md). It belongs to no device.
@@ -777,7 +777,7 @@ typedef struct gnomon_materials {
 /// No materials.
 #define GNOMON_MATERIALS_INIT \
     { sizeof(gnomon_materials), NULL, 0, NULL, 0 }
-/// In the library gnomon_full, not in gnomon.
+/// In the library gnomon_full, not in gnomon. Experimental.
 /// Shades the view: the sum of the lights' Lambert terms with visibility, plus ambient, as 4 bytes (8-bit sRGB and
 /// alpha) per pixel on the host.
 gnomon_status gnomon_view_shade(const gnomon_view* view, const gnomon_triangles* triangles,
@@ -796,7 +796,7 @@ gnomon_status gnomon_camera_pass_look(gnomon_camera_pass* pass, const gnomon_tri
                                       gnomon_view** view_out, cl_event* event_out,
                                       const gnomon_statistics** statistics_out);
 
-// ---- Several samples per pixel --------------------------------------------------------------------------------------
+// ---- Several samples per pixel (experimental) -----------------------------------------------------------------------
 
 /// The offset of a sample from its pixel's centre, in 1/64 pixel, x to the right and y down, each from -32 to 31.
 typedef struct gnomon_sample_offset {
@@ -865,7 +865,7 @@ gnomon_status gnomon_points_explain(const gnomon_points* points, const gnomon_tr
                                     const gnomon_explanation** explanation_out);
 void gnomon_explanation_destroy(const gnomon_explanation* explanation);
 
-// ---- Scenes larger than the device's memory -------------------------------------------------------------------------
+// ---- Scenes larger than the device's memory (experimental) ----------------------------------------------------------
 
 /// A scene that stays on the host: the device stores as many of its triangles at a time as fit.
 typedef struct gnomon_host_scene {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// gnomon: exact hard shadows as OpenCL kernels. The whole C++ interface, by subject:
+// gnomon: exact hard shadows as OpenCL kernels. The whole C++ interface; each header says what of it is stable:
 //
 //   gnomon/device.hpp   errors and devices          gnomon/view.hpp     cameras' views, samples, scenes in parts
 //   gnomon/inputs.hpp   triangles and points        gnomon/lattice.hpp  float64 coordinates without loss

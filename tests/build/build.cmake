@@ -25,6 +25,7 @@ if(GNOMON_COMMAND)
                COMMAND "${here}/opencl_library_test.sh" "$<TARGET_FILE:gnomon_command>")
 endif()
 
+gnomon_check(versions_agree LABELS build quick COMMAND "${here}/versions_agree.sh" "${PROJECT_SOURCE_DIR}")
 gnomon_check(layout LABELS build quick COMMAND "${PROJECT_SOURCE_DIR}/tools/check_layout.sh")
 gnomon_check(layout_rules_bite LABELS build exhaustive
              COMMAND "${here}/check_layout_test.sh" "${PROJECT_SOURCE_DIR}/tools/check_layout.sh")

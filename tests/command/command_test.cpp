@@ -324,6 +324,39 @@ TEST_F(Command, DevicesSaysWhichIsTheDefault) {
     EXPECT_NE(devices.out.find("the default: "), std::string::npos) << devices.out;
 }
 
+TEST_F(Command, TheCheckOfADeviceIsJsonForPrograms) {
+    const Outcome check = run({"devices", "--check", "--json"});
+    EXPECT_EQ(check.exit_code, 0) << check.err;
+    const auto json = nlohmann::json::parse(check.out);
+    EXPECT_EQ(json["wrong"], 0);
+    std::uint64_t points = 0;
+    for (const auto& answer : json["answers"]) {
+        EXPECT_EQ(answer["right"], true) << answer["what"];
+        points += answer["points"].get<std::uint64_t>();
+    }
+    EXPECT_EQ(json["points"], points);
+    EXPECT_GT(points, 2'000'000u);
+    EXPECT_FALSE(json["device"]["driver_version"].get<std::string>().empty());
+    EXPECT_GT(json["speed"]["shadows_ms"], 0.0);
+}
+
+// Eight views of the golden record, animated and prepared; the page and the file say the same.
+TEST_F(Command, BenchComparesWithTheGoldenRecordAndWritesAFileToSend) {
+    const Outcome bench = run({"bench", "--seconds", "1", "-o", in_folder("bench.json").string()});
+    EXPECT_EQ(bench.exit_code, 0) << bench.err;
+    const auto json = statistics("bench.json");
+    std::size_t known = 0;
+    for (const auto& row : json["rows"]) {
+        known += row["experiment"] == "known" ? 1 : 0;
+        EXPECT_EQ(row["right"], true) << row["scene"];
+        EXPECT_NE(bench.out.find(row["mask_hash"].get<std::string>()), std::string::npos) << row["scene"];
+    }
+    EXPECT_EQ(known, 16u);
+    EXPECT_EQ(json["wrong"], 0);
+    EXPECT_NE(bench.out.find("297ad812ba97d535"), std::string::npos) << "city_v0_sun of the golden record";
+    EXPECT_NE(bench.out.find("RIGHT"), std::string::npos);
+}
+
 TEST_F(Command, TechniquesAreALineEachAndTellTheirSettings) {
     const Outcome list = run({"techniques"});
     EXPECT_EQ(list.exit_code, 0) << list.err;
@@ -357,6 +390,9 @@ TEST_F(Command, WrongCommandLines) {
         {{"paint"}, "unexpected argument: paint"},
         {{"--paint"}, "unexpected argument: --paint"},
         {{"devices", "now"}, "unexpected argument: now"},
+        {{"devices", "--json"}, "--json requires --check"},
+        {{"bench", "--seconds", "0"}, "--seconds needs"},
+        {{"bench", "-o", "bench.txt"}, "ends in .json"},
         {{"render"}, "nothing to write"},
         {{"render", "-o"}, "--output needs a value"},
         {{"render", "-o", "a.bmp"}, "--output needs a file name that ends in .png"},

@@ -27,3 +27,17 @@ print(scene.lit(numpy.float32([[0, 0, 0], [5, 0, 0]]), direction=(0, -1, 0)).tol
     if "compiler is older than the CPU" in done.stderr:
         pytest.skip("the compiler of PyPI's PoCL does not know this CPU (docs/drivers.md)")
     assert done.stdout == "[False, True]\n", done.stderr
+
+
+@pytest.mark.skipif(importlib.util.find_spec("pocl_binary_distribution") is None, reason="PyPI's PoCL is not installed")
+def test_a_compiler_that_pocl_of_the_wheel_misses_is_named(tmp_path):
+    def said(path):
+        variables = {k: v for k, v in os.environ.items() if k not in ("GNOMON_OPENCL_LIBRARY", "OCL_ICD_VENDORS")}
+        code = "import gnomon; gnomon.devices()"
+        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=300,
+                              env=variables | {"PATH": path})  # fmt: skip
+        return done.stderr
+
+    (tmp_path / "gcc").symlink_to("/bin/true")
+    assert "install one (Debian and Ubuntu: gcc libc6-dev)" in said("/nowhere")
+    assert "gcc libc6-dev" not in said(str(tmp_path))

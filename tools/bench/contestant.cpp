@@ -82,6 +82,25 @@ Times Place::time_camera(const Triangles& seen, const Case& c, Size size) const 
     return times_of(ms);
 }
 
+Seen seen_in(const Place& place, const Case& c, Size size) {
+    const Times camera = place.time_camera(place.triangles, c, size);
+    View view = look(place.device, place.triangles, c.camera, size.width, size.height);
+    ViewOnHost host = view.read(place.device, place.triangles);
+    Row row;
+    row.scene = place.scene.name;
+    row.view = c.view;
+    row.light = c.light_name;
+    row.width = size.width;
+    row.height = size.height;
+    row.triangles = place.triangles.count();
+    row.device = place.device.description().name;
+    row.driver = place.device.description().driver_version;
+    row.camera = camera;
+    row.points_hash = hash_of(std::span<const float>(host.position));
+    Visibility visibility(place.device, std::size_t(size.width) * size.height);
+    return {std::move(view), std::move(host), std::move(visibility), std::move(row), c, {}};
+}
+
 // ---- Contestant -----------------------------------------------------------------------------------------------------
 
 void Contestant::warm_up() {

@@ -48,6 +48,8 @@ struct Seen {
     /// The lights of the configuration on the disk.
     Lights sun(const Configuration& configuration) const;
 };
+/// What the case's camera sees, and the time that it takes to see it.
+Seen seen_in(const Place& place, const Case& c, Size size);
 
 template <typename Value>
 std::string hash_of(std::span<const Value> values);  // of float and std::uint32_t

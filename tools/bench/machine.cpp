@@ -11,7 +11,6 @@
 
 #include <gnomon.hpp>
 #include "commit.hpp"
-#include "peers.hpp"
 
 namespace gnomon::bench {
 
@@ -46,7 +45,7 @@ nlohmann::ordered_json environment_json() {
 
 }  // namespace
 
-nlohmann::ordered_json machine_json(unsigned threads) {
+nlohmann::ordered_json machine_json(unsigned threads, const std::string& embree) {
     utsname system{};
     uname(&system);
     double load[3] = {};
@@ -68,7 +67,7 @@ nlohmann::ordered_json machine_json(unsigned threads) {
             {"system", line_of("/etc/os-release", "PRETTY_NAME", '=')},
             {"kernel", system.release},
             {"compiler", "GCC or clang " __VERSION__},
-            {"embree", embree_version()},
+            {"embree", embree},
             {"load_average_at_start", load[0]},
             {"environment", environment_json()},
             {"opencl_devices", opencl}};

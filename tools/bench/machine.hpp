@@ -3,11 +3,12 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <string>
 
 namespace gnomon::bench {
 
-/// Processor, memory, system, compiler, date, load, gnomon's version and commit, every OpenCL device, Embree.
-/// `threads`: what --threads asked for, 0 for all.
-nlohmann::ordered_json machine_json(unsigned threads);
+/// Processor, memory, system, compiler, date, load, gnomon's version and commit, every OpenCL device.
+/// `threads`: what --threads asked for, 0 for all. `embree`: its version.
+nlohmann::ordered_json machine_json(unsigned threads, const std::string& embree);
 
 }  // namespace gnomon::bench

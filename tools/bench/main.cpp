@@ -18,6 +18,7 @@
 #include "experiments.hpp"
 #include "json.hpp"
 #include "machine.hpp"
+#include "peers.hpp"
 #include "thread_table.hpp"
 
 namespace {
@@ -196,7 +197,7 @@ int run(const Options& options) {
     if (threads != 0) setenv("POCL_MAX_PTHREAD_COUNT", std::to_string(threads).c_str(), 1);
     SceneShelf shelf(options.views_file, options.scenes_folder);
     const std::vector<Block> blocks = all_blocks(options, shelf);
-    const nlohmann::ordered_json machine = machine_json(threads);
+    const nlohmann::ordered_json machine = machine_json(threads, embree_version());
     Runner runner(shelf, {options.devices, rule_of(options), threads}, print);
     for (const Block& block : blocks) {
         runner.run(block);

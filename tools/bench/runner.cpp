@@ -115,25 +115,12 @@ Runner::Runner(SceneShelf& shelf, RunOptions options, std::function<void(const R
     : shelf_(shelf), options_(std::move(options)), report_(std::move(report)) {}
 
 Seen Runner::look(const Place& place, const Block& block, const Case& c, Size size) const {
-    const Times camera = place.time_camera(place.triangles, c, size);
-    View view = gnomon::look(place.device, place.triangles, c.camera, size.width, size.height);
-    ViewOnHost host = view.read(place.device, place.triangles);
-    Row row;
-    row.experiment = block.experiment;
-    row.scene = place.scene.name;
-    row.view = c.view;
-    row.light = c.light_name;
-    row.width = size.width;
-    row.height = size.height;
-    row.triangles = place.triangles.count();
-    row.device = place.device.description().name;
-    row.driver = place.device.description().driver_version;
-    row.camera = camera;
-    row.points_hash = hash_of(std::span<const float>(host.position));
-    Visibility visibility(place.device, std::size_t(size.width) * size.height);
     if (block.sun_angle_degrees && !c.light.is_directional())
         throw InvalidArgument("a sun's disk takes a directional light, and " + c.light_name + " is a point light");
-    return {std::move(view), std::move(host), std::move(visibility), std::move(row), c, block.sun_angle_degrees};
+    Seen seen = seen_in(place, c, size);
+    seen.row.experiment = block.experiment;
+    seen.sun_angle_degrees = block.sun_angle_degrees;
+    return seen;
 }
 
 Runner::Truth Runner::truth_of(const Block& block, const Place& place, const Seen& seen) const {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Errors, devices, and the library's version.
+// Errors, devices, and the library's version. Stable (gnomon/version.h says what that means).
 #pragma once
 
 #ifndef CL_TARGET_OPENCL_VERSION

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a run reads and writes: triangles, shading points, the camera that points come from, and visibility.
+// What a run reads and writes: triangles, points, their camera, visibility. Stable; each share() is experimental.
 #pragma once
 
 #include <optional>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// float64 coordinates as float32 without loss.
+// float64 coordinates as float32 without loss. Experimental (gnomon/version.h says what that means).
 #pragma once
 
 #include <span>

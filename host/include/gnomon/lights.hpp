@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// One light, and tables of many: the sun's disk, a shining parallelogram, the sky.
+// One light (stable), and tables of many (experimental): the sun's disk, a shining parallelogram, the sky.
 #pragma once
 
 #include <span>

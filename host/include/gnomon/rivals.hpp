@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The classic techniques, to be measured beside the exact one: shadow maps and their relatives (docs/techniques.md).
+// Experimental: the classic techniques, to be measured beside the exact one (docs/techniques.md).
 #pragma once
 
 #pragma GCC visibility push(default)

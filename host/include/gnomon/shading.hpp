@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The colours of a view: materials, textures, and light with shadows. Visibility does not depend on them.
+// Experimental: the colours of a view, materials, textures, light. Visibility does not depend on them.
 #pragma once
 
 #include <gnomon/view.hpp>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Runs: which of the points the lights reach, by which technique, and why.
+// Runs: which points the lights reach, by which technique, and why. Stable; diagnose(), run_mean(): experimental.
 #pragma once
 
 #include <functional>

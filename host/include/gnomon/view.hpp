@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Pictures: the view of a camera, several samples per pixel, and scenes larger than the device's memory.
+// Pictures: a camera's view (stable); several samples per pixel, and scenes in parts (both experimental).
 #pragma once
 
 #include <gnomon/trace.hpp>

@@ -9,7 +9,9 @@ import ctypes
 import functools
 import importlib.util
 import os
+import shutil
 import threading
+import warnings
 import weakref
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -44,6 +46,12 @@ def _bundled_loader() -> str:
         libraries = Path(folder) / ".libs"
         for loader in sorted(libraries.glob("libOpenCL*")):
             os.environ.setdefault("PYOPENCL_HOME", folder)
+            if list(libraries.glob("libpocl*")) and not (shutil.which("cc") or shutil.which("gcc")):
+                warnings.warn(
+                    "PyPI's PoCL links kernels as a C compiler does, and ends the process where there is none: "
+                    "install one (Debian and Ubuntu: gcc libc6-dev), or another OpenCL driver",
+                    stacklevel=4,
+                )
             for driver in libraries.glob("*.icd"):
                 with contextlib.suppress(OSError):  # a driver that cannot be loaded is not listed
                     ctypes.CDLL(str(libraries / driver.read_text().strip()))
