@@ -21,6 +21,7 @@ void render(const RenderOptions&) {}
 void hours(const HoursOptions&) {}
 void explain(const ExplainOptions&) {}
 void gallery(const GalleryOptions&) {}
+void bench_device(const BenchOptions&) {}
 void view(const PageOptions&) {}
 void check_device(const ListDevices&) {}
 std::string device_list() { return {}; }
