@@ -1049,11 +1049,9 @@ class View:
 
         def shade() -> NDArray[np.uint8]:
             appearance = upload.appearance(material, self._base_color)
-            if samples != 1:
+            if values is None:
                 chosen = upload.technique(_technique_of(technique))
-                return _gnomon.smooth_picture(
-                    appearance, chosen, upload.triangles, self._seen, light, int(samples)
-                )
+                return _gnomon.smooth_picture(appearance, chosen, upload.triangles, self._seen, light, int(samples))
             return _gnomon.shade(appearance, upload.triangles, self._seen, [values], [light])
 
         return upload.device.call(shade)

@@ -1,0 +1,84 @@
+#!/bin/bash
+# SPDX-License-Identifier: MIT
+# Tests gnomon on another processor: Debian's packages for ARM64, PoCL among them, emulated by qemu. It needs root on
+# Debian, and from there debootstrap, qemu-user-static, clang-14, lld-14 and gcc; 1.1 GB; and longer than CI has.
+#
+# usage: test_arm64.sh FOLDER     FOLDER: made if it is not there; a second run goes on with what the first one left
+#
+# The programs are compiled here, and run in a root of ARM64. There the driver starts a linker: a small program that
+# starts ARM64's by qemu, since not every machine lets qemu register itself for foreign programs.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+[ $# -eq 1 ] || { echo "usage: $0 FOLDER" >&2; exit 2; }
+mkdir -p "$1"
+folder=$(realpath "$1")
+root=$folder/root
+build=$folder/build
+
+packages=pocl-opencl-icd,ocl-icd-opencl-dev,g++,libgtest-dev,libgmp-dev,libboost-dev,libstb-dev,zlib1g-dev
+packages+=,libmeshoptimizer-dev,libfmt-dev,libtinygltf-dev,nlohmann-json3-dev,libcli11-dev
+if [ ! -f "$folder/unpacked" ]; then
+    debootstrap --foreign --arch=arm64 --variant=minbase --include="$packages" bookworm "$root"
+    for package in "$root"/var/cache/apt/archives/*.deb; do dpkg -x "$package" "$root"; done
+    cp /usr/bin/qemu-aarch64-static "$root/usr/bin/"
+    gcc -static -x c - -o "$folder/linker" <<'C'
+#include <unistd.h>
+int main(int count, char** given) {
+    char* command[count + 2];
+    command[0] = "qemu-aarch64-static";
+    command[1] = "/usr/bin/aarch64-linux-gnu-ld.bfd";
+    for (int i = 1; i <= count; ++i) command[i + 1] = given[i];  // the last is the null pointer
+    execv("/usr/bin/qemu-aarch64-static", command);
+    return 127;
+}
+C
+    for name in ld aarch64-linux-gnu-ld; do
+        rm -f "$root/usr/bin/$name"
+        cp "$folder/linker" "$root/usr/bin/$name"
+    done
+    touch "$folder/unpacked"
+fi
+
+cat >"$folder/toolchain.cmake" <<CMAKE
+set(CMAKE_SYSTEM_NAME Linux)
+set(CMAKE_SYSTEM_PROCESSOR aarch64)
+set(CMAKE_SYSROOT $root)
+set(CMAKE_C_COMPILER clang-14)
+set(CMAKE_CXX_COMPILER clang++-14)
+set(CMAKE_C_COMPILER_TARGET aarch64-linux-gnu)
+set(CMAKE_CXX_COMPILER_TARGET aarch64-linux-gnu)
+set(CMAKE_LIBRARY_ARCHITECTURE aarch64-linux-gnu)
+set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)
+set(CMAKE_FIND_ROOT_PATH_MODE_LIBRARY ONLY)
+set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE ONLY)
+set(CMAKE_FIND_ROOT_PATH_MODE_PACKAGE ONLY)
+add_link_options(-fuse-ld=lld)
+CMAKE
+cmake -S . -B "$build" -G Ninja -D CMAKE_TOOLCHAIN_FILE="$folder/toolchain.cmake" -D CMAKE_BUILD_TYPE=Release \
+    -D GNOMON_COMMAND=OFF -D GNOMON_TESTS=ON -D GNOMON_TOOLS=ON -D GNOMON_DRACO=OFF
+tests=(self_check_test small_cases_test soft_double_test predicates_test golden_test)
+cmake --build "$build" --parallel "$(nproc)" --target "${tests[@]}"
+
+mounted=()
+trap 'for place in "${mounted[@]}"; do umount "$place"; done' EXIT
+for place in /proc /dev /sys "$build" "$PWD"; do
+    mkdir -p "$root$place"
+    mount --bind "$place" "$root$place"
+    mounted+=("$root$place")
+done
+# in_root PROGRAM OPTIONS...: a test in the root
+in_root() {
+    local program=$1
+    shift
+    echo "-- $program $*"
+    chroot "$root" /usr/bin/qemu-aarch64-static "$build/tests/$program" "$@" |
+        grep -E '^\[  (PASSED|FAILED)|cases, digest' | sed 's/^/   /'
+}
+export HOME=/root POCL_CACHE_DIR=/tmp/kernels GNOMON_CACHE_DIR=/tmp/kernels
+export GNOMON_SMALL_CASES=2 GNOMON_PREDICATE_TRIALS=2000
+mkdir -p "$root/tmp/kernels"
+in_root self_check_test --gtest_filter='SelfCheck.*'
+in_root small_cases_test
+in_root soft_double_test
+in_root predicates_test
+in_root golden_test --gtest_filter='*grass_main*:*pillars*:*sphere_closed_main*'
