@@ -20,6 +20,9 @@ ROOT = Path(__file__).resolve().parents[2]
 BINARY = os.environ.get("GNOMON_BINARY", str(ROOT / "build" / "gnomon"))
 SCENES = ROOT / "scenes"
 
+# A shell lets what it starts in the background ignore Ctrl-C, and so would each server.
+signal.signal(signal.SIGINT, signal.default_int_handler)
+
 
 class Answer:
     """The status, headers and body of an answer."""
