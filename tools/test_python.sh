@@ -30,10 +30,11 @@ if said=$(OCL_ICD_VENDORS=${drivers[0]} "$build/venv/bin/python" -c "$try" 2>&1)
     [[ $said != *"compiler is older than the CPU"* ]]; then
     echo "-- PyPI's PoCL, the system's drivers hidden"
     OCL_ICD_VENDORS=${drivers[0]} tests
-    echo "-- the system's OpenCL library (studies, reports and integrations were tested above, and use it no otherwise)"
+    echo "-- the system's OpenCL library (studies, reports, integrations, viewsheds and docs were tested above, and use it no otherwise)"
     GNOMON_OPENCL_LIBRARY=libOpenCL.so.1 tests --ignore=tests/python/study --ignore=tests/python/test_report.py \
         --ignore=tests/python/test_nothing_grows.py --ignore=tests/python/test_weather.py \
-        --ignore=tests/python/test_surfaces.py --ignore=tests/python/test_ladybug.py
+        --ignore=tests/python/test_surfaces.py --ignore=tests/python/test_ladybug.py \
+        --ignore=tests/python/test_tutorial.py --ignore=tests/python/test_viewshed.py
 else
     echo "SKIPPED: the compiler of PyPI's PoCL is older than this CPU, so the package is tested with the system's driver alone" >&2
     GNOMON_OPENCL_LIBRARY=libOpenCL.so.1 tests
