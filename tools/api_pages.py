@@ -11,7 +11,9 @@ from pathlib import Path
 import pdoc
 import pdoc.doc
 
-MODULES = ["gnomon", "gnomon.studies", "gnomon.surfaces", "gnomon.weather", "gnomon.xarray", "gnomon.integrations.ladybug"]
+MODULES = [
+    "gnomon", "gnomon.studies", "gnomon.surfaces", "gnomon.weather", "gnomon.xarray", "gnomon.integrations.ladybug",
+]
 
 
 def undocumented(member):

@@ -4,8 +4,8 @@
 
 usage: mutants.py BUILD [--turn N|git | --all]     BUILD: a build folder with the tests
 --turn N runs the ten faults whose turn it is (`git`: by the number of the commit), --all all of them; else it only sees
-that each fault's text is still in the kernels. A fault that its check does not notice is an error; so is a noticed one that
-the list calls equivalent, or says to survive: it is tried with the first test that the list has for its file.
+that each fault's text is still in the kernels. A fault that its check does not notice is an error; so is a noticed one
+that the list calls equivalent, or says to survive: it is tried with the first test that the list has for its file.
 """
 import os
 import shutil
@@ -62,7 +62,8 @@ def run(faults, build):
             noticed = any(is_noticed(c.split(), Path(made) / "kernels", build) for c in checks)
             survivors += noticed == may_live
             verdict = "noticed" if noticed else check if may_live else "SURVIVES"
-            print(f"{file}: '{old}' -> '{new}': {verdict} ({', '.join(checks)}; {time.monotonic() - began:.0f} s)", flush=True)
+            seconds = time.monotonic() - began
+            print(f"{file}: '{old}' -> '{new}': {verdict} ({', '.join(checks)}; {seconds:.0f} s)", flush=True)
     return survivors
 
 

@@ -23,7 +23,8 @@ MODELS = [
 ]
 # Model, its sizes, the right text, the wrong one: each must break an assertion or leave an item waiting.
 FAULTS = [
-    ("append", {"BLOCK": 2, "MOST": 3}, "d_step { first = counter; counter = counter + BLOCK };", "first = counter; counter = first + BLOCK;"),
+    ("append", {"BLOCK": 2, "MOST": 3}, "d_step { first = counter; counter = counter + BLOCK };",
+     "first = counter; counter = first + BLOCK;"),
     ("append", {"BLOCK": 2, "MOST": 5}, "counter = counter - BLOCK", "skip"),
     ("append", {"BLOCK": 2, "MOST": 3}, "write(next, UNUSED); next++", "next++"),
     ("queue", {}, "d_step { slot = uncertain; uncertain++ };", "slot = uncertain; uncertain = slot + 1;"),
