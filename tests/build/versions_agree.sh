@@ -16,6 +16,6 @@ grep -q "find_package(gnomon $minor " tests/consumer/CMakeLists.txt ||
     complain "tests/consumer/CMakeLists.txt does not ask for gnomon $minor"
 grep -rnE "(^|[^0-9.])${version//./\\.}([^0-9.]|$)" tools/packaging && complain "tools/packaging writes @VERSION@ for the version"
 for header in host/include/gnomon.h host/include/gnomon.hpp host/include/gnomon/*.h*; do
-    sed '/^#/q' "$header" | grep -qiE '\b(stable|experimental)\b' || complain "$header does not say what of it is stable"
+    sed '/^#/q' "$header" | grep -iE '\b(stable|experimental)\b' >/dev/null || complain "$header does not say what of it is stable"
 done
 exit $failed
