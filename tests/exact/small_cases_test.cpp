@@ -30,8 +30,7 @@ const std::uint32_t GRID = SIDE * SIDE * SIDE, TRIANGLES = GRID * GRID * GRID;
 
 std::vector<SmallLight> all_lights() {
     std::vector<SmallLight> lights;
-    for (int i = 0; i < 125; ++i)
-        if (i != 62) lights.push_back({{i % 5 - 2, i / 5 % 5 - 2, i / 25 - 2}, false});
+    for (const Vector direction : small_directions()) lights.push_back({direction, false});
     for (std::uint32_t i = 0; i < GRID; ++i) lights.push_back({grid_point(i, SIDE), true});
     return lights;
 }
@@ -52,23 +51,6 @@ std::vector<std::uint64_t> expected(const std::vector<SmallLight>& lights) {
     return masks;
 }
 
-/// x -> scale (matrix x + shift), exactly.
-struct Map {
-    std::array<Vector, 3> matrix;
-    Vector shift;
-    float scale;
-
-    std::array<float, 3> apply(Vector x, bool is_direction) const {
-        std::array<float, 3> y{};
-        for (std::size_t i = 0; i < 3; ++i) {
-            const Vector& row = matrix[i];
-            const int whole = row[0] * x[0] + row[1] * x[1] + row[2] * x[2] + (is_direction ? 0 : shift[i]);
-            y[i] = static_cast<float>(whole) * scale;
-        }
-        return y;
-    }
-};
-
 /// Counts of the pairs that float, double and integers decided.
 using Levels = std::array<std::uint32_t, 3>;
 
@@ -77,7 +59,7 @@ struct Answers {
     Levels levels{};
 };
 
-Answers answers_of(const Map& map, const std::vector<SmallLight>& lights, bool hide_fp64) {
+Answers answers_of(const ExactMap& map, const std::vector<SmallLight>& lights, bool hide_fp64) {
     gnomon::Device device({}, {.hide_fp64 = hide_fp64});
     gnomon::cl::Session& session = session_of(device);
     std::ifstream stream(GNOMON_TESTS "/exact/predicates/small_cases.cl");
@@ -112,11 +94,11 @@ Answers answers_of(const Map& map, const std::vector<SmallLight>& lights, bool h
     return answers;
 }
 
-const Map SAME{{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, {0, 0, 0}, 1.0f};
+const ExactMap SAME;
 /// Odd entries up to 2^20: coordinates of 23 bits, differences just below the 2^20 up to which the float level is used.
-const Map ROUNDED{{{{1048575, -786433, 524289}, {-699051, 917503, 1000003}, {838861, 1047553, -611669}}},
-                  {999983, -655361, 786431},
-                  0.125f};
+const ExactMap ROUNDED{{{{1048575, -786433, 524289}, {-699051, 917503, 1000003}, {838861, 1047553, -611669}}},
+                       {999983, -655361, 786431},
+                       0.125f};
 
 /// FNV-1a over the masks.
 std::uint64_t digest(const std::vector<std::uint64_t>& masks) {

@@ -17,6 +17,7 @@ waits for it, too (the table of waits in gnomon.hpp: Technique::run).
 from . import _gnomon
 from ._cut_outs import CutOut, CutOutCounts, CutOuts
 from ._devices import Device, devices, use
+from ._earth import EARTH_RADIUS
 from ._gnomon import (
     Cancelled,
     DeviceDescription,
@@ -31,7 +32,7 @@ from ._lights import Lights, LightsResult
 from ._scene import AtVertices, Scene, View
 from ._side import Side, Technique, VertexSide
 from ._study import study
-from ._viewshed import EARTH_RADIUS, REFRACTION, Viewshed, ViewshedGrid, viewshed
+from ._viewshed import REFRACTION, Viewshed, ViewshedGrid, viewshed
 from ._visible_from import VisibleFrom
 
 __version__: str = _gnomon.__version__  # type: ignore[attr-defined]  # nanobind's stub leaves it out

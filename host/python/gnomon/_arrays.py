@@ -40,13 +40,18 @@ def _has_mask(array: Any) -> bool:
     )
 
 
+def declared_no_data(array: Any) -> list[Any]:
+    """The values that an xarray.DataArray's attributes declare for no data."""
+    attrs = getattr(array, "attrs", {})
+    return [value for key in ("_FillValue", "missing_value", "nodata") for value in np.atleast_1d(attrs.get(key, ()))]
+
+
 def _declared_absent(array: Any, values: NDArray[Any]) -> NDArray[np.bool_] | None:
     """Where an xarray.DataArray that was read as it lies in its file has the value that stands for no data."""
     absent = None
     if hasattr(array, "dims") and values.dtype.kind in "iuf":
-        for key in ("_FillValue", "missing_value", "nodata"):
-            for value in np.atleast_1d(getattr(array, "attrs", {}).get(key, ())):
-                absent = (values == value) | (False if absent is None else absent)
+        for value in declared_no_data(array):
+            absent = (values == value) | (False if absent is None else absent)
     return absent
 
 
@@ -227,3 +232,9 @@ def scaled(normals: NDArray[np.float64]) -> NDArray[np.float64]:
     """Each row times a power of two, exactly, so that its values lie in the range of float32; rows of zeros stay."""
     _, exponents = np.frexp(np.abs(normals).max(axis=1, initial=0))
     return np.ldexp(normals, -exponents[:, None])
+
+
+def unpacked(words: NDArray[np.uint32], count: int) -> NDArray[np.bool_]:
+    """(..., count): the bits of words (..., W), the lowest one of the first word first."""
+    as_bytes = np.ascontiguousarray(words, "<u4").view(np.uint8)
+    return np.unpackbits(as_bytes, axis=-1, count=count, bitorder="little").view(bool)

@@ -161,6 +161,13 @@ def default_device() -> Device:
         return _default if _default is not None else use()
 
 
+def device_of(named: str | Device | None) -> Device:
+    """A device, by itself or by its name; None: that of the last use()."""
+    if named is None:
+        return default_device()
+    return named if isinstance(named, Device) else open_device(named)
+
+
 def device_of_queue(queue: Any) -> Device:
     """The device of a pyopencl.CommandQueue, which must be in-order. Works on that queue."""
     load_opencl()

@@ -59,8 +59,7 @@ class LightsResult(NamedTuple):
         """(..., M) bool: the bits, one per element."""
         if self.bits is None:
             raise ValueError("lit: call Scene.lit_by() with bits=True")
-        as_bytes = np.ascontiguousarray(self.bits, "<u4").view(np.uint8)
-        return np.unpackbits(as_bytes, axis=-1, count=self.light_count, bitorder="little").astype(bool)
+        return _arrays.unpacked(self.bits, self.light_count)
 
 
 def table_of(native: _gnomon.WorldLattice | None, lights: Lights) -> _gnomon.Lights:

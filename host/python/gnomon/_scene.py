@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _arrays, _cut_outs, _gnomon, _lights, _meshes
 from . import _lattice as _world
-from ._devices import Device, default_device, device_of_queue, open_device
+from ._devices import Device, device_of, device_of_queue
 from ._side import EXACT, Side, Technique, VertexSide
 from ._visible_from import VisibleFrom, visible_from
 
@@ -254,15 +254,12 @@ class Scene:
             corners = None if faces is None else _arrays.on_host(faces, "faces")
             self._cut_outs = _cut_outs.native_of(cut_outs, corners, self._count)
         self._device_name = device if isinstance(device, str) else None
-        self._opened = device if isinstance(device, Device) else self._open_device()
-
-    def _open_device(self) -> Device:
-        return default_device() if self._device_name is None else open_device(self._device_name)
+        self._opened = device_of(device)
 
     @property
     def _device(self) -> Device:
         if self._opened is None:
-            self._opened = self._open_device()
+            self._opened = device_of(self._device_name)
         return self._opened
 
     def __getstate__(self) -> dict[str, Any]:

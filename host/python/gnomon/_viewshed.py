@@ -12,10 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _arrays, _gnomon
-from ._devices import Device, default_device, open_device
+from ._devices import Device, device_of
+from ._earth import EARTH_RADIUS, per_square_of
 
-#: The Earth's mean radius in metres, and the part of its curvature that rays along the ground follow, as GDAL has it.
-EARTH_RADIUS, REFRACTION = 6_371_000.0, 1 / 7
+#: The part of the Earth's curvature that rays along the ground follow, as GDAL has it.
+REFRACTION = 1 / 7
 #: The finest step of heights, in metres.
 FINEST = -10
 
@@ -267,11 +268,9 @@ class ViewshedGrid:
             values = values.astype(np.float64)
         if nodata is not None:
             values = np.where(values == nodata, np.nan, values)
-        per_square = 0.0 if refraction is None else (1 - refraction) / (2 * radius)
+        per_square = 0.0 if refraction is None else per_square_of(refraction, radius)
         self._ground = _Ground(_turned(values, rows, columns), rows, columns, per_square, lattice)
-        self._device = (
-            device if isinstance(device, Device) else default_device() if device is None else open_device(device)
-        )
+        self._device = device_of(device)
         self._native = self._uploaded(self._ground.steps)
         self._filled = functools.lru_cache(maxsize=1)(lambda outside: self._uploaded(self._ground.filled(outside)))
         self.record: dict[str, Any] = {

@@ -32,8 +32,7 @@ class VisibleFrom(NamedTuple):
 
     def seen(self) -> NDArray[np.bool_]:
         """(..., M): the bits, one per element."""
-        as_bytes = np.ascontiguousarray(self.bits, "<u4").view(np.uint8)
-        return np.unpackbits(as_bytes, axis=-1, count=self.observer_count, bitorder="little").astype(bool)
+        return _arrays.unpacked(self.bits, self.observer_count)
 
 
 def visible_from(

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ._earth import EARTH_RADIUS
 from ._lights import Lights
 from ._scene import Scene
 from ._side import Side
@@ -55,7 +56,7 @@ class Weather:
         """ValueError if the file's place is farther away than that."""
         a, b, turn = np.radians([self.latitude, latitude, longitude - self.longitude])
         half = np.sin((b - a) / 2) ** 2 + np.cos(a) * np.cos(b) * np.sin(turn / 2) ** 2
-        distance = 2 * 6371.0 * float(np.arcsin(np.sqrt(np.clip(half, 0, 1))))
+        distance = 2 * EARTH_RADIUS / 1000 * float(np.arcsin(np.sqrt(np.clip(half, 0, 1))))
         if not distance <= within_km:
             raise ValueError(
                 f"weather: {self.name} ({self.latitude:g}, {self.longitude:g}) is {distance:,.0f} km from the site "

@@ -22,8 +22,10 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
+from . import _arrays
+from ._earth import EARTH_RADIUS
 from ._study import NEEDS
-from ._viewshed import EARTH_RADIUS, REFRACTION, ViewshedGrid
+from ._viewshed import REFRACTION, ViewshedGrid
 
 #: Attributes of heights that do not hold for results.
 _OF_HEIGHTS = ("units", "long_name", "standard_name", "_FillValue", "missing_value", "nodata", "scale_factor",
@@ -111,11 +113,11 @@ class GnomonAccessor:
 
     def _results(self, dem: xarray.DataArray, layers: _Layers, count: int) -> list[xarray.DataArray]:
         """The layers that `layers` makes of the heights, as arrays like `dem`, in the caller's order of dimensions."""
-        no_data = [dem.attrs[key] for key in ("_FillValue", "missing_value", "nodata") if key in dem.attrs]
+        no_data = _arrays.declared_no_data(dem)
 
         def run(values: Any) -> NDArray[np.float32]:
             heights = np.ma.filled(np.ma.asarray(values).astype(np.float64), np.nan)
-            for value in np.ravel(no_data):
+            for value in no_data:
                 heights[heights == value] = np.nan
             return layers(heights)
 

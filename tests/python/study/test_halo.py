@@ -5,7 +5,8 @@ import math
 
 import numpy as np
 import pytest
-from gnomon.studies.halo import EARTH_RADIUS, Curvature, Pyramid, leaves_below, rises_above
+from gnomon import EARTH_RADIUS
+from gnomon.studies.halo import Curvature, Pyramid, leaves_below, rises_above
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from made import bits, run, write_raster, write_suns

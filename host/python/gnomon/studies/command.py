@@ -14,7 +14,8 @@ from typing import Any
 from tqdm import tqdm
 
 from .. import DeviceNotFoundError, OpenCLError
-from .._viewshed import EARTH_RADIUS, REFRACTION
+from .._earth import EARTH_RADIUS
+from .._viewshed import REFRACTION
 from . import Execution, StudyStoppedError, open_study, read_toml, run
 from .settings import files_of
 from .viewshed import WHAT, Request, observers_of, write_viewshed

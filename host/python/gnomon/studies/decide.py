@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from .. import _gnomon
 from .._arrays import scaled
-from .._devices import Device, default_device, open_device
+from .._devices import Device, device_of
+from .._earth import per_square_of
 from .._lattice import Lattice
 from .._lights import Lights
 from .._scene import Scene
@@ -20,7 +21,7 @@ from .._side import Side
 from . import planes
 from .casters import LARGEST_SPAN, Casters, Survey
 from .facing import GridFacing
-from .halo import Curvature, Pyramid, leaves_below, per_square_of, rises_above
+from .halo import Curvature, Pyramid, leaves_below, rises_above
 from .planes import Planes
 from .rasters import UnreadableError
 from .receivers import Part
@@ -68,7 +69,7 @@ def distances(boxes: NDArray[np.float64], box: NDArray[np.float64]) -> NDArray[n
 
 @functools.lru_cache(maxsize=4)
 def _opened_device(name: str | None) -> Device:
-    return default_device() if name is None else open_device(name)
+    return device_of(name)
 
 
 class Decider:

@@ -16,7 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 FAN_OUT = 16
-EARTH_RADIUS = 6_371_000.0
 
 
 class Curvature(NamedTuple):
@@ -34,11 +33,6 @@ class Curvature(NamedTuple):
         dx = np.maximum(np.maximum(boxes[:, 0] - self.x, self.x - boxes[:, 2]), 0)
         dy = np.maximum(np.maximum(boxes[:, 1] - self.y, self.y - boxes[:, 3]), 0)
         return self.per_square * (dx**2 + dy**2)
-
-
-def per_square_of(refraction: float) -> float:
-    """Metres per square metre of distance: 1 / (2 R'), R' the Earth's radius over 1 - k."""
-    return (1 - refraction) / (2 * EARTH_RADIUS)
 
 
 def _interval(

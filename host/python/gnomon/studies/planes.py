@@ -11,6 +11,8 @@ import functools
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import _arrays
+
 Planes = NDArray[np.uint32]
 
 #: As many receivers fit into the cache.
@@ -37,8 +39,7 @@ def packed(answers: NDArray[np.bool_]) -> Planes:
 
 def unpacked(planes: Planes, suns: int) -> NDArray[np.bool_]:
     """(n, suns): the answers of planes."""
-    as_bytes = np.ascontiguousarray(planes.T).astype("<u4", copy=False).view(np.uint8)
-    return np.unpackbits(as_bytes, axis=1, bitorder="little", count=suns).view(bool)
+    return _arrays.unpacked(planes.T, suns)
 
 
 def of_sun(planes: Planes, sun: int) -> NDArray[np.bool_]:

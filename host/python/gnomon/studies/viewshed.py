@@ -15,7 +15,8 @@ import rasterio
 from numpy.typing import NDArray
 
 from .. import _gnomon
-from .._viewshed import EARTH_RADIUS, REFRACTION, Viewshed, ViewshedGrid
+from .._earth import EARTH_RADIUS
+from .._viewshed import REFRACTION, Viewshed, ViewshedGrid
 from .rasters import Mosaic, open_mosaic
 from .tables import read_observers
 
