@@ -94,11 +94,6 @@ __kernel void prepared_bounds(const PreparedParams params, __global const float*
 // Beyond this many times the least height the lists' 16 bits do not separate a point light's heights, 1 / W.
 #define HEIGHT_RANGE 0x1p16f
 
-static void set_bound(__global PointBounds* bounds, int i, float low, float high) {
-    bounds->highest[i] = float_to_key(high);
-    bounds->minus_lowest[i] = float_to_key(-low);
-}
-
 static void make_parallel(LightFrame frame, const float* low, const float* high, __global PointBounds* bounds,
                           PreparedDomain* domain) {
     float largest = 0.0f, extent = 0.0f;

@@ -128,6 +128,11 @@ static FittedBounds read_bounds(__global const PointBounds* keys) {
     return bounds;
 }
 
+static void set_bound(__global PointBounds* bounds, int i, float low, float high) {
+    bounds->highest[i] = float_to_key(high);
+    bounds->minus_lowest[i] = float_to_key(-low);
+}
+
 static float4 light_of(LightFrame light_frame) {
     return (float4)(light_frame.light[0], light_frame.light[1], light_frame.light[2], light_frame.light[3]);
 }

@@ -138,6 +138,18 @@ void expect_counts(const LightScene& scene, const Settings& settings, std::map<s
     }
 }
 
+TEST(Provenance, IsTheSameInEveryRun) {
+    // A CPU's items take runs of points as they come: no float of a record may depend on which item took which points.
+    const gnomon::Device device;
+    const Floats triangles = soup(300, 0.4f, 2);
+    for (const auto& [name, light] : lights_of_every_kind()) {
+        const LightScene scene{"soup, " + name, triangles, points_behind(triangles, light, 3000, 3, 7), light};
+        const Settings off{{"conservative-map", "off"}};
+        const std::vector<Color> first = answer_with_colors(device, scene, off).colors;
+        for (int i = 0; i < 30; ++i) ASSERT_EQ(answer_with_colors(device, scene, off).colors, first) << name;
+    }
+}
+
 TEST(Provenance, CountWhatTheStatisticsCount) {
     const Floats blocks = lattice_blocks(3, 6, 1), triangles = soup(300, 0.4f, 2);
     std::map<std::string, std::size_t> seen;
