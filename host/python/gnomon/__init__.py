@@ -29,6 +29,7 @@ from ._gnomon import (
 )
 from ._lattice import Lattice
 from ._lights import Lights, LightsResult
+from ._page import Page, view
 from ._scene import AtVertices, Scene, View
 from ._side import Side, Technique, VertexSide
 from ._study import study
@@ -51,6 +52,7 @@ __all__ = [
     "Lights",
     "LightsResult",
     "OpenCLError",
+    "Page",
     "REFRACTION",
     "Scene",
     "SettingDescription",
@@ -67,5 +69,6 @@ __all__ = [
     "study",
     "techniques",
     "use",
+    "view",
     "viewshed",
 ]

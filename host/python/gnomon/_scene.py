@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _arrays, _cut_outs, _gnomon, _lights, _meshes
+from . import _arrays, _cut_outs, _gnomon, _lights, _meshes, _page
 from . import _lattice as _world
 from ._devices import Device, device_of, device_of_queue
 from ._side import EXACT, Side, Technique, VertexSide
@@ -231,6 +231,7 @@ class Scene:
         self._twin: Scene | None = None  # the same triangles on a lattice
         self._vertices: _Vertices | None = None  # of the last call with Side.vertices()
         self.animations: list[str] = []
+        self._file: list[str] | None = None  # that it was read from, and what of it, in the words of the command
         self._material: NDArray[np.uint32] | None = None
         self._base_color: list[tuple[float, float, float]] = [GREY]
         self._cut_outs: _gnomon.CutOuts | None = None
@@ -343,6 +344,9 @@ class Scene:
             result.lights[name] = {"position": (x, y, z)} if w else {"direction": (-x, -y, -z)}
         result.warnings = list(loaded.warnings)
         result.animations = list(loaded.animations)
+        chosen = {"scene": scene, "animation": animation, "time": time, "blend": blend}
+        words = [f"--{name}={value}" for name, value in chosen.items() if value is not None]
+        result._file = [str(file.resolve()), *words]
         result._material = loaded.take_triangle_material()
         result._base_color = [(r, g, b) for r, g, b in loaded.base_color]
         return result
@@ -849,6 +853,7 @@ class Scene:
         if (camera is None) == (eye is None and target is None):
             raise ValueError("give either eye= and target=, or camera=, a name of `cameras`")
         width, height = int(size[0]), int(size[1])
+        upwards = _arrays.triple(up, "up")
         if camera is None and (twin := self._needed_twin(np.empty((0, 3)), eye, target)):
             return twin.view(eye, target, up=up, fov=fov, size=size)
         if camera is not None:
@@ -857,9 +862,9 @@ class Scene:
             chosen, origin, upload = self.cameras[camera], None, self._on(self._device)
         else:
             local_eye, local_target, origin, upload = self._at_eye(eye, target)
-            chosen = _gnomon.Camera.look_at(local_eye, local_target, _arrays.triple(up, "up"), float(fov))
+            chosen = _gnomon.Camera.look_at(local_eye, local_target, upwards, float(fov))
         view = upload.device.call(_gnomon.look, upload.device.native, upload.triangles, chosen, width, height)
-        return View(self, upload, view, (width, height), origin)
+        return View(self, upload, view, (width, height), origin, upwards)
 
     def _at_eye(self, eye: Any, target: Any) -> tuple[Any, Any, _gnomon.WorldLattice | None, _OnDevice]:
         """Eye and target near an origin, and the triangles moved there. On a lattice this origin is the lattice's point
@@ -959,10 +964,12 @@ class View:
         view: _gnomon.View,
         size: tuple[int, int],
         origin: _gnomon.WorldLattice | None,
+        up: tuple[float, float, float],
     ) -> None:
         self._material = scene._material
         self._base_color = scene._base_color
         self._count = len(scene)
+        self._light = next(iter(scene.lights.values()), {"direction": _default_direction(up)})
         self._upload = upload
         self._seen = view
         self._origin = origin
@@ -1053,5 +1060,15 @@ class View:
 
         return upload.device.call(shade)
 
+    def _repr_png_(self) -> bytes:
+        """What a notebook shows: image() by the scene's first light, or the one of `gnomon render` where there is none."""
+        return _page.png_of(self.image(direction=self._light.get("direction"), position=self._light.get("position")))
+
     def __repr__(self) -> str:
         return f"<gnomon.View of {self.width} x {self.height} pixels>"
+
+
+def _default_direction(up: tuple[float, float, float]) -> tuple[float, float, float]:
+    """The light of `gnomon render` for scenes without lights, from above as this picture has it."""
+    x, y, z = -0.4, -1.0, -0.3
+    return (x, -z, y) if up[2] > abs(up[1]) else (x, y, z)
