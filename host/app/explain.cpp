@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "explained.hpp"
+#include "miss_distance.hpp"
 #include "terminal.hpp"
 
 namespace gnomon::app {
@@ -75,7 +76,10 @@ std::string vertices_text(const TriangleSigns& t) {
     return vertex(0) + " " + vertex(3) + " " + vertex(6);
 }
 
-void add_triangles(std::ostream& out, const std::string& heading, const std::vector<TriangleSigns>& list) {
+/// `after` tells more of a triangle.
+template <typename After>
+void add_triangles(std::ostream& out, const std::string& heading, const std::vector<TriangleSigns>& list,
+                   const After& after) {
     if (list.empty()) return;
     out << '\n' << heading << ": " << grouped(list.size()) << '\n';
     for (std::size_t i = 0; i < std::min(list.size(), max_printed); ++i) {
@@ -83,9 +87,7 @@ void add_triangles(std::ostream& out, const std::string& heading, const std::vec
         out << "  triangle " << t.triangle << "  " << vertices_text(t)
             << fmt::format("\n    signs: point's side {}, light's side {}, edges ab {} bc {} ca {}; certain in ",
                            sign(t.point_side), sign(t.light_side), sign(t.edges[0]), sign(t.edges[1]), sign(t.edges[2]))
-            << t.arithmetic;
-        if (t.blocks || t.is_clear) out << "; " << float_text(float(t.distance)) << " from the point";
-        out << '\n';
+            << t.arithmetic << "; " << after(t) << '\n';
     }
     if (list.size() > max_printed) out << "  and " << grouped(list.size() - max_printed) << " more\n";
 }
@@ -102,8 +104,17 @@ std::string reason(const Explanation& e) {
     return "the filter left pairs undecided, and the exact predicate decided them";
 }
 
+std::vector<TriangleSigns> near_misses_of(const Explained& explained) {
+    const Explanation& e = explained.explanation;
+    if (e.stage == "facing" || e.arithmetic == "filter") return {};
+    std::vector<TriangleSigns> sorted = e.near_misses;
+    sort_by_miss_distance(sorted, e.position, explained.light.light);
+    return sorted;
+}
+
 std::string text_of(const Explained& explained) {
     const Explanation& e = explained.explanation;
+    const Light& light = explained.light.light;
     std::ostringstream out;
     const auto& [x, y, z] = e.position;
     out << explained.where << "\npoint     " << float3_text(e.position)
@@ -120,11 +131,14 @@ std::string text_of(const Explained& explained) {
     out << "light     " << light_option(explained.light) << " (" << explained.light.source << ")\n"
         << "result    " << (e.is_lit() ? "lit" : "in shadow") << ": " << reason(e) << '\n'
         << "decided   by the stage " << e.stage << ", arithmetic: " << e.arithmetic << '\n';
-    add_triangles(out, "block the shadow ray, nearest first", e.occluders);
+    const auto distance = [](const TriangleSigns& t) { return float_text(float(t.distance)) + " from the point"; };
+    add_triangles(out, "block the shadow ray, nearest first", e.occluders, distance);
     add_triangles(out, "let the shadow ray pass, which meets them where their texture is clear, nearest first",
-                  e.clear_hits);
-    if (e.stage != "facing" && e.arithmetic != "filter")
-        add_triangles(out, "do not block, and the exact predicate's level float was not certain", e.near_misses);
+                  e.clear_hits, distance);
+    add_triangles(out, "do not block, and the exact predicate's level float was not certain, least missed first",
+                  near_misses_of(explained), [&](const TriangleSigns& t) {
+                      return fmt::format("missed by {:.3g}, rounded", miss_distance(t, e.position, light));
+                  });
     return out.str();
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "setup.hpp"
 
@@ -19,6 +20,10 @@ std::string where_of(const ExplainOptions& options, const ChosenCamera& camera);
 
 /// One sentence.
 std::string reason(const Explanation& explanation);
+
+/// The triangles that the shadow ray misses by so little that floats were not certain, where that mattered; least
+/// missed first.
+std::vector<TriangleSigns> near_misses_of(const Explained& explained);
 
 /// What gnomon explain prints.
 std::string text_of(const Explained& explained);
