@@ -4,15 +4,13 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
 
-#include "color_scale.hpp"
 #include "options.hpp"
 #include "output_files.hpp"
 #include "pictures.hpp"
 #include "scene/number_table.hpp"
 #include "setup.hpp"
-#include "suns.hpp"
+#include "sun_sums.hpp"
 #include "terminal.hpp"
 #include "values.hpp"
 
@@ -64,31 +62,15 @@ void write_csv(OutputFile& file, std::span<const float> positions, std::span<con
     file.write_all(text.data(), text.size());
 }
 
-struct Computed {
-    std::vector<double> values;
-    Statistics statistics;
-};
-
-Computed compute(const HoursOptions& options, Technique& technique, const Triangles& triangles, const Points& points,
-                 const SunTable& table, cl_mem normals) {
-    if (table.suns.empty()) return {std::vector<double>(points.count(), 0.0), {}};  // a polar night
+SunSums compute(const HoursOptions& options, Technique& technique, const Triangles& triangles, const Points& points,
+                const SunTable& table, cl_mem normals) {
     const ProgressLine progress(grouped(points.count()) + " points x " + grouped(table.suns.size()) + " suns",
-                                !options.quiet);
-    LightsOnHost found = run_light_table_to_host(
-        technique, triangles, points, table.lights(), {.sums = true, .cosines = options.cosines},
-        {.facing = normals != nullptr ? Facing::normals(normals) : Facing::automatic()});
-    for (double& sum : found.sums) sum /= table.weights_per_unit();
-    return {std::move(found.sums), std::move(found.statistics)};
+                                !options.quiet && !table.suns.empty());
+    return sun_sums(options, technique, triangles, points, table,
+                    {.facing = normals != nullptr ? Facing::normals(normals) : Facing::automatic()});
 }
 
-double largest_of(std::span<const double> values) {
-    double largest = 0;
-    for (const double value : values)
-        if (value > largest) largest = value;
-    return largest;
-}
-
-std::string summary(const HoursOptions& options, const SunTable& table, const Computed& computed) {
+std::string summary(const HoursOptions& options, const SunTable& table, const SunSums& computed) {
     std::size_t count = 0;
     double sum = 0;
     for (const double value : computed.values)
@@ -119,14 +101,14 @@ struct Outputs {
     OutputFile *result, *aov, *suns;
 };
 
-Computed hours_of_points(const HoursOptions& options, const Device& device, Technique& technique,
-                         const Triangles& triangles, const SunTable& table, Outputs& outputs) {
+SunSums hours_of_points(const HoursOptions& options, const Device& device, Technique& technique,
+                        const Triangles& triangles, const SunTable& table, Outputs& outputs) {
     const OwnPoints own = read_points(*options.points);
     const Points points = Points::upload(device, own.positions), normals = Points::upload(device, own.normals);
     if (options.cosines && own.normals.empty())
         throw Error(options.points->string() + ": --cosines needs the columns nx, ny, nz");
     const cl_mem sides = own.normals.empty() ? nullptr : normals.positions();
-    Computed computed = compute(options, technique, triangles, points, table, sides);
+    SunSums computed = compute(options, technique, triangles, points, table, sides);
     if (lower_extension(*options.result) == ".npy")
         write_npy(*outputs.result, computed.values);
     else
@@ -134,9 +116,9 @@ Computed hours_of_points(const HoursOptions& options, const Device& device, Tech
     return computed;
 }
 
-Computed hours_of_picture(const HoursOptions& options, const Device& device, Technique& technique,
-                          const scene::Scene& scene, const Triangles& triangles, const SunTable& table,
-                          Outputs& outputs) {
+SunSums hours_of_picture(const HoursOptions& options, const Device& device, Technique& technique,
+                         const scene::Scene& scene, const Triangles& triangles, const SunTable& table,
+                         Outputs& outputs) {
     const auto [width, height] = options.size;
     const View seen = look(device, triangles, choose_camera(options, scene).camera, width, height);
     const ViewOnHost view = seen.read(device, triangles);
@@ -148,12 +130,11 @@ Computed hours_of_picture(const HoursOptions& options, const Device& device, Tec
         points = Points::wrap(device, seen.points.positions(), seen.points.layout(), seen.points.count(),
                               seen.points.receivers());
     }
-    Computed computed =
+    SunSums computed =
         compute(options, technique, triangles, points, table, options.cosines ? normals.positions() : nullptr);
-    for (std::size_t i = 0; i < computed.values.size(); ++i)
-        if (view.receiver[i] == no_receiver) computed.values[i] = std::numeric_limits<double>::quiet_NaN();
+    leave_sky_out(view.receiver, computed.values);
     if (outputs.result) {
-        const ColorScale scale{0, options.most.value_or(largest_of(computed.values)), options.unit};
+        const ColorScale scale = scale_of(options, computed.values);
         std::vector<std::uint8_t> rgba = colored(scale, computed.values);
         draw_legend(scale, width, height, rgba);
         write_picture(*outputs.result, width, height, rgba);
@@ -180,9 +161,9 @@ void hours(const HoursOptions& options) {
     const auto technique = make_technique(device, "frustum-traced", options.settings);
     const scene::Scene scene = load_scene(options);
     const Triangles triangles = upload_triangles(device, scene);
-    const Computed computed = options.points
-                                  ? hours_of_points(options, device, *technique, triangles, table, outputs)
-                                  : hours_of_picture(options, device, *technique, scene, triangles, table, outputs);
+    const SunSums computed = options.points
+                                 ? hours_of_points(options, device, *technique, triangles, table, outputs)
+                                 : hours_of_picture(options, device, *technique, scene, triangles, table, outputs);
     outputs.files.commit();
     if (!options.quiet) print_result(summary(options, table, computed));
 }

@@ -149,6 +149,34 @@ def test_asks_why_as_explain_does(driver: Driver, sundial: Server, tmp_path: Pat
     assert not find(driver, "explanation").is_displayed()
 
 
+def test_colours_the_hours_of_a_day(driver: Driver, sundial: Server, tmp_path: Path) -> None:
+    open_page(driver, sundial)
+    day = find(driver, "day")
+    driver.execute_script("arguments[0].value = '2026-06-21'; arguments[0].dispatchEvent(new Event('change'))", day)
+    wait(driver, "suns.length > 0 || byId('hour-value').textContent !== ''")
+    if "ERFA" in find(driver, "hour-value").text:
+        pytest.skip("this build has no ERFA")
+    find(driver, "stage").send_keys("h")
+    settle(driver)
+    wait(driver, "shown.path === 'hours' && !byId('legend').hidden")
+    screenshot(driver, "hours")
+    # A day of midsummer at 48.2 degrees north has 15 h 53 min between the passages of the sun's centre.
+    assert find(driver, "most").text in ("15.8 hours of sun", "15.9 hours of sun")
+    assert find(driver, "hours").get_attribute("aria-pressed") == "true"
+    command = command_of(driver)
+    assert command.startswith("gnomon hours") and "--day=2026-06-21" in command and "--step=10" in command
+    find(driver, "save").click()
+    saved = driver.downloads / "hours.png"
+    WebDriverWait(driver, 20).until(lambda _: saved.exists())
+    assert run(command, tmp_path).returncode == 0
+    assert saved.read_bytes() == (tmp_path / "hours.png").read_bytes()
+    drag(driver, 60, 20)  # the camera turns, and the hours stay
+    settle(driver)
+    assert driver.execute_script("return shown.path") == "hours"
+    drag(driver, 30, 10, Keys.SHIFT)  # one sun: its light again
+    assert command_of(driver).startswith("gnomon render") and not find(driver, "legend").is_displayed()
+
+
 def test_compares_with_a_rival(driver: Driver, sundial: Server) -> None:
     open_page(driver, sundial)
     choose(driver, "rival", "shadow-map")

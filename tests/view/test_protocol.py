@@ -3,8 +3,10 @@
 
 import http.client
 import io
+import math
 import shlex
 import socket
+import struct
 import subprocess
 import threading
 import time
@@ -117,6 +119,26 @@ def test_explanations_are_those_of_explain(sundial: Server, tmp_path: Path) -> N
     assert answers == {True, False}
 
 
+def test_a_near_miss_says_by_how_much(moving: Server, tmp_path: Path) -> None:
+    view = {"size": "160x90", "eye": "0,6,6", "target": "0,0,0"}
+    point = moving.get("explain", **view, pixel="80,45").json["position"]
+    misses = []
+    for beyond in (2.0**-24, 2.0**-23, 2.0**-22):  # towards the edge from (-1,1,1) to (1,1,1), and past it
+        towards = [math.ldexp(round(math.ldexp(c, 20)), -20) for c in (-point[0], 1 - point[1], 1 - point[2])]
+        travel = ",".join(f"{-c:.9g}" for c in (towards[0], towards[1], towards[2] + beyond))
+        explained = moving.get("explain", **view, pixel="80,45", **{"light-direction": travel}).json
+        # The distance of two lines: the ray, and the edge along x.
+        _, y, z = struct.unpack("3f", struct.pack("3f", *(-float(c) for c in travel.split(","))))
+        distance = abs(y * (1 - point[2]) - z * (1 - point[1])) / math.hypot(y, z)
+        assert explained["is_lit"] and explained["arithmetic"] in ("float", "double", "integers")
+        assert [near["triangle"] for near in explained["near_misses"]] == [1]
+        assert explained["near_misses"][0]["missed_by"] == pytest.approx(distance, rel=1e-6)
+        assert f"missed by {distance:.3g}, rounded" in explained["text"]
+        assert run(explained["command"], tmp_path).stdout == explained["text"]
+        misses.append(distance)
+    assert misses[0] < misses[1] < misses[2] < 2e-6
+
+
 def test_suns_are_those_of_hours(sundial: Server, tmp_path: Path) -> None:
     suns = sundial.get("suns", place="48.2,16.4", day="2026-06-21")
     options = ["--place", "48.2,16.4", "--day", "2026-06-21", "--size", "8x8", "-o", "h.png", "--quiet"]
@@ -127,6 +149,45 @@ def test_suns_are_those_of_hours(sundial: Server, tmp_path: Path) -> None:
     rows = [line.split(",") for line in (tmp_path / "h.suns.csv").read_text().splitlines() if not line.startswith("#")]
     columns = [rows[0].index(name) for name in ("x", "y", "z")]
     assert [sun["direction"] for sun in suns.json] == [",".join(row[c] for c in columns) for row in rows[1:]]
+
+
+DAY = {"place": "48.2,16.4", "day": "2026-06-21"}
+
+
+@pytest.mark.parametrize("more", [{}, {"step": "60", "most": "16"}, {"north": "30.5"}], ids=lambda more: "-".join(more))
+def test_hours_are_those_of_hours(sundial: Server, tmp_path: Path, more: dict[str, str]) -> None:
+    view = VIEW | {"size": "480x270"}  # room for the legend
+    answer = sundial.get("hours.png", **view, **DAY, **more)
+    if answer.status == 500:
+        assert "ERFA" in answer.text
+        return
+    assert answer.status == 200, answer.text
+    done = run(answer.facts["command"], tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert answer.body == (tmp_path / "hours.png").read_bytes()
+    assert f"{answer.facts['suns']} suns" in done.stdout
+    if "most" in more:
+        assert answer.facts["legend"]["most"] == 16
+
+
+def test_the_colour_of_a_pixel_is_its_points_hours(sundial: Server, tmp_path: Path) -> None:
+    pillow = pytest.importorskip("PIL.Image")
+    pixels = [(80, 70), (30, 60), (95, 52), (140, 80)]
+    points = [sundial.get("explain", **VIEW, pixel=f"{x},{y}").json["position"] for x, y in pixels]
+    (tmp_path / "points.csv").write_text("x,y,z\n" + "".join(f"{x},{y},{z}\n" for x, y, z in points))
+    options = [word for name in DAY for word in (f"--{name}", DAY[name])]
+    words = [BINARY, "hours", *options, "--points", "points.csv", "-o", "values.csv", "--quiet"]
+    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        assert "ERFA" in done.stderr
+        return
+    values = [float(row.split(",")[3]) for row in (tmp_path / "values.csv").read_text().splitlines()[1:]]
+    assert len(set(values)) > 2
+    for (x, y), value in zip(pixels, values, strict=True):
+        for part in (16, 8, 4):  # the value's place on a scale that ends at 16 / part of it
+            answer = sundial.get("hours.png", **VIEW, **DAY, most=repr(value * 16 / part))
+            color = pillow.open(io.BytesIO(answer.body)).convert("RGB").getpixel((x, y))
+            assert "#%02x%02x%02x" % color == answer.facts["legend"]["colors"][part], (x, y, value)
 
 
 # ---- Who is answered ----
@@ -147,7 +208,7 @@ def test_suns_are_those_of_hours(sundial: Server, tmp_path: Path) -> None:
     ],
     ids=str,
 )
-@pytest.mark.parametrize("path", ["", "state", "frame.jpg", "frame.png", "compare.jpg", "explain", "suns", "page.css"])
+@pytest.mark.parametrize("path", ["", "state", "frame.jpg", "frame.png", "compare.jpg", "hours.png", "explain", "suns", "page.css"])
 def test_strangers_are_refused(sundial: Server, path: str, headers: dict[str, str]) -> None:
     answer = sundial.get(path, headers)
     assert answer.status == 403
@@ -206,6 +267,26 @@ def test_tokens_differ() -> None:
 def test_numbers_and_sizes_are_bounded(sundial: Server, parameters: dict[str, str]) -> None:
     answer = sundial.get("frame.jpg", **parameters)
     assert answer.status == 400 and answer.text, answer.text
+
+
+@pytest.mark.parametrize(
+    "parameters",
+    [
+        {"size": "8192x8192"},
+        {"size": "10x10", "step": "7"},
+        {"size": "10x10", "step": "0"},
+        {"size": "10x10", "most": "-1"},
+        {"size": "10x10", "north": "inf"},
+        {"size": "10x10", "place": "91,0"},
+        {"size": "10x10", "day": "2026-02-30"},
+        {"size": "10x10", "day": ""},
+    ],
+    ids=str,
+)
+def test_hours_are_bounded(sundial: Server, parameters: dict[str, str]) -> None:
+    answer = sundial.get("hours.jpg", **(DAY | parameters))
+    assert answer.status == 400 and answer.text, answer.text
+    assert sundial.get("hours.jpg", size="10x10", year="2026", place="1,2").status == 400  # a year is too long
 
 
 def test_the_page_names_no_file(sundial: Server, tmp_path: Path) -> None:

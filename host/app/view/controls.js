@@ -130,6 +130,7 @@ const keys = {
   '[': () => moveDivider(look.divider - 0.02), ']': () => moveDivider(look.divider + 0.02),
   c: () => { byId('show').selectedIndex ^= 1; look.show = byId('show').value; draw(); },
   r: () => resetCamera(), ',': () => stepCamera(-1), '.': () => stepCamera(1), o: turnAboutAnswer,
+  h: () => byId('hours').click(),
   ' ': () => look.scene.animations.length ? byId('play').click() : byId('play-day').click(),
   Enter: () => { cross2d.isShown = true; explain(cross2d.x, cross2d.y); },
   Escape: () => { cross2d.isShown = false; clearAnswer(); },
@@ -191,6 +192,7 @@ for (const id of ['azimuth', 'elevation']) on(id, 'input', () => moveSun(angles(
 for (const id of ['place', 'day']) on(id, 'change', loadSuns);
 on('hour', 'input', showHour);
 on('play-day', 'click', () => play('play-day', stepDay));
+on('hours', 'click', () => showHours(!look.hours));
 on('sun-angle', 'change', input => { look.sunAngle = Math.max(0, Math.min(89, Number(input.value) || 0)); changed(); });
 on('ambient', 'change', select => { look.ambient = select.value; changed(); });
 on('rival', 'change', select => chooseRival(select.value));

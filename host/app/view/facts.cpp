@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "facts.hpp"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <set>
 
+#include "../miss_distance.hpp"
 #include "request.hpp"
 
 namespace gnomon::app {
@@ -100,7 +102,10 @@ ordered_json scene_facts(const PageOptions& page, const scene::Scene& scene, con
 
 ordered_json explanation_facts(const Explained& explained, const ChosenCamera& camera) {
     const Explanation& e = explained.explanation;
-    const bool was_near = e.stage != "facing" && e.arithmetic != "filter";  // as the text has them
+    const std::vector<TriangleSigns> near_misses = near_misses_of(explained);
+    ordered_json missed = triangles_json(near_misses);
+    for (std::size_t i = 0; i < missed.size(); ++i)
+        missed[i]["missed_by"] = miss_distance(near_misses[i], e.position, explained.light.light);
     return {{"text", text_of(explained)},
             {"reason", reason(e)},
             {"is_lit", e.is_lit()},
@@ -111,9 +116,19 @@ ordered_json explanation_facts(const Explained& explained, const ChosenCamera& c
             {"position", e.position},
             {"receiver", triangles_json({e.on_receiver})},
             {"occluders", triangles_json(e.occluders)},
-            {"near_misses", was_near ? triangles_json(e.near_misses) : ordered_json::array()},
+            {"near_misses", std::move(missed)},
             {"light", light_json(explained.light.light)},
             {"camera", camera_facts(camera)}};
+}
+
+ordered_json legend_facts(const ColorScale& scale) {
+    constexpr int steps = 16;
+    ordered_json colors = ordered_json::array();
+    for (int i = 0; i <= steps; ++i) {
+        const auto [r, g, b] = scale.color(scale.least + (scale.most - scale.least) * i / steps);
+        colors.push_back(fmt::format("#{:02x}{:02x}{:02x}", r, g, b));
+    }
+    return {{"least", scale.least}, {"most", scale.most}, {"unit", scale.unit}, {"colors", std::move(colors)}};
 }
 
 ordered_json suns_facts(const SunTable& table) {

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "../color_scale.hpp"
 #include "../explained.hpp"
 #include "../picture.hpp"
 #include "../suns.hpp"
@@ -18,6 +19,9 @@ nlohmann::ordered_json scene_facts(const PageOptions& page, const scene::Scene& 
 
 /// The text of gnomon explain, and the shapes that it names.
 nlohmann::ordered_json explanation_facts(const Explained& explained, const ChosenCamera& camera);
+
+/// The ends of a scale, and its colours at even steps, for a style sheet.
+nlohmann::ordered_json legend_facts(const ColorScale& scale);
 
 nlohmann::ordered_json suns_facts(const SunTable& table);
 

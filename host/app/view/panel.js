@@ -44,6 +44,7 @@ function startLight() {
 }
 function chooseLight(value) {
   if (value === 'sun') return moveSun(angles());
+  showHours(false);
   look.light = value ? {light: value.slice(5)} : startLight();
   changed();
 }
@@ -56,6 +57,7 @@ function moveSun({azimuth, elevation}) {
   showAngles({azimuth, elevation});
 }
 function setSun(direction) {
+  showHours(false);
   look.light = {'light-direction': direction};
   byId('light').value = 'sun';
   changed();
@@ -94,13 +96,14 @@ function dragDial(event) {
   moveSun({azimuth: Math.atan2(x, -y) / degrees, elevation: 90 * (1 - Math.hypot(x, y) / 0.825)});
 }
 
+const placeText = () => byId('place').value.replace(/\s/g, '');
 async function loadSuns() {
   stopPlaying();
   suns = [];
   const hour = byId('hour');
   try {
     if (byId('day').value)
-      suns = await (await ask('suns', {place: byId('place').value.replace(/\s/g, ''), day: byId('day').value})).json();
+      suns = await (await ask('suns', {place: placeText(), day: byId('day').value})).json();
     byId('hour-value').textContent = suns.length ? '' : 'no sun';
   } catch (error) {
     byId('hour-value').textContent = error.message;
@@ -108,6 +111,8 @@ async function loadSuns() {
   hour.disabled = byId('play-day').disabled = suns.length === 0;
   hour.max = Math.max(0, suns.length - 1);
   hour.value = Math.floor(suns.length / 2);
+  byId('hours').disabled = suns.length === 0;
+  if (look.hours) showHours(suns.length > 0);
 }
 function showHour() {
   const sun = suns[Number(byId('hour').value)];
@@ -115,6 +120,22 @@ function showHour() {
   byId('hour-value').textContent = sun.time.slice(11, 16);
   setSun(sun.direction);
   showAngles(sunAngles(vectorOf(sun.direction)));
+}
+
+// The hours of the day as colours; the last one stands for a whole day of sun, so that colours stay while all moves.
+function showHours(isOn) {
+  byId('hours').setAttribute('aria-pressed', String(isOn));
+  if (!isOn && !look.hours) return;
+  look.hours = isOn ? {place: placeText(), day: byId('day').value, most: String(suns.length / 6)} : null;
+  if (isOn) chooseRival('');
+  else changed();
+}
+function describeHours() {
+  const {legend} = shown.path === 'hours' ? shown.facts : {};
+  byId('legend').hidden = !legend;
+  if (!legend) return;
+  byId('colors').style.background = `linear-gradient(to right, ${legend.colors.join(', ')})`;
+  byId('most').textContent = `${legend.most.toFixed(1)} ${legend.unit} of sun`;
 }
 
 // ---- Play: the day's sun, or the animation ----
@@ -179,7 +200,9 @@ function describeComparison() {
                       span('wrongly-shadowed', `${part(facts.wrongly_shadowed)} dark (blue)`), '.');
 }
 function chooseRival(name) {
-  look.rival = name;
+  byId('rival').value = look.rival = name;
+  if (name) look.hours = null;
+  byId('hours').setAttribute('aria-pressed', String(look.hours !== null));
   changed();
 }
 
@@ -195,14 +218,16 @@ function sayAnswer(text) {
 async function explain(x, y) {
   const [width, height] = fullSize();
   const column = Math.min(width - 1, Math.floor(x * width)), row = Math.min(height - 1, Math.floor(y * height));
-  const parameters = {...parametersOf(levels.sharp), pixel: `${column},${row}`};
+  const parameters = {...poseParameters([width, height]), ...look.light, pixel: `${column},${row}`};
   sayAnswer(`Pixel ${column},${row} ...`);
   try {
     const facts = await (await ask('explain', parameters)).json();
     Object.assign(asked, {facts, width, height});
     const decided = facts.is_absent ? '' : ` Decided by the stage ${facts.stage}, arithmetic: ${facts.arithmetic}.`;
     const what = facts.is_absent ? 'the sky' : facts.is_lit ? 'lit' : 'in shadow';
-    sayAnswer(`Pixel ${column},${row}: ${what}: ${facts.reason}.${decided}`);
+    const [near] = facts.near_misses;
+    const missed = near ? ` Triangle ${near.triangle} is missed by ${near.missed_by.toPrecision(3)}, rounded.` : '';
+    sayAnswer(`Pixel ${column},${row}: ${what}: ${facts.reason}.${decided}${missed}`);
     byId('explanation').textContent = facts.text;
     byId('explanation').hidden = false;
     byId('copy-explain').disabled = byId('clear').disabled = false;
@@ -286,9 +311,10 @@ async function copy(text, button) {
 }
 async function savePng() {
   try {
-    const {draft, ...parameters} = shown.parameters;
-    const blob = await (await ask('frame.png', parameters)).blob();
-    const link = Object.assign(document.createElement('a'), {href: URL.createObjectURL(blob), download: 'view.png'});
+    const {draft, ...parameters} = shown.parameters, path = shown.path === 'hours' ? 'hours' : 'frame';
+    const blob = await (await ask(`${path}.png`, parameters)).blob();
+    const link = document.createElement('a');
+    Object.assign(link, {href: URL.createObjectURL(blob), download: path === 'hours' ? 'hours.png' : 'view.png'});
     link.click();
     setTimeout(() => URL.revokeObjectURL(link.href), 10000);
   } catch (error) {
@@ -318,6 +344,7 @@ document.addEventListener('loaded', () => {
 });
 document.addEventListener('shown', () => {
   describeComparison();
+  describeHours();
   const {lights} = shown.facts;
   if (lights.length === 1 && lights[0].directional) showAngles(sunAngles(vectorOf(lights[0].at)));
 });

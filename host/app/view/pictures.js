@@ -11,10 +11,11 @@ const stage = byId('stage'), picture = byId('picture'), overlay = byId('overlay'
 const paceMs = 1000 / 30, mostInFlight = 2, stillAfterMs = 160, leastScale = 0.25;
 const levels = {moving: 0, sharp: 1, smooth: 2, soft: 3};
 
-// What is looked at. `light` has the parameters of the light, `camera` those of a camera that nobody has moved.
+// What is looked at. `light` has the parameters of the light, `camera` those of a camera that nobody has moved, `hours`
+// those of the day whose hours are coloured.
 const look = {scene: null, camera: {}, orbit: null, light: {}, time: null, animation: null, sunAngle: 0, ambient: 'constant',
-              samples: 8, rival: '', show: 'divider', divider: 0.5};
-const shown = {number: 0, level: -1, facts: null, image: null, parameters: null, isComparison: false};
+              samples: 8, rival: '', show: 'divider', divider: 0.5, hours: null};
+const shown = {number: 0, level: -1, facts: null, image: null, parameters: null, isComparison: false, path: ''};
 let scale = 1, lastArrival = 0, number = 0, inFlight = 0, isDirty = false, lastInput = 0, stillTimer = 0, isLost = false;
 const trail = [];  // times of arrival of the last second
 
@@ -41,16 +42,22 @@ function fullSize() {
 }
 
 const isDirectional = () => !shown.facts || shown.facts.lights.every(light => light.directional);
-const isSoft = () => look.sunAngle > 0 && isDirectional() && !look.rival;
-const isSmooth = () => look.samples > 1 && !look.rival;
+const isSoft = () => look.sunAngle > 0 && isDirectional() && !look.rival && !look.hours;
+const isSmooth = () => look.hours !== null || (look.samples > 1 && !look.rival);
 
-// The options of gnomon render for a picture of this level.
+// The options of all commands: the camera and the pose, for a picture of this size.
+function poseParameters(size) {
+  const parameters = {size: size.join('x'), ...(look.orbit ? look.orbit.parameters() : look.camera)};
+  if (look.time !== null) parameters.time = String(look.time);
+  if (look.animation !== null) parameters.animation = look.animation;
+  return parameters;
+}
+// The options of gnomon render, or of gnomon hours, for a picture of this level. Hours are finer when they are smooth.
 function parametersOf(level) {
   let size = fullSize();
   if (level === levels.moving) size = size.map(side => Math.max(16, Math.round(side * scale)));
-  const parameters = {size: size.join('x'), ...(look.orbit ? look.orbit.parameters() : look.camera), ...look.light};
-  if (look.time !== null) parameters.time = String(look.time);
-  if (look.animation !== null) parameters.animation = look.animation;
+  if (look.hours) return {...poseParameters(size), ...look.hours, step: level < levels.smooth ? '60' : '10'};
+  const parameters = {...poseParameters(size), ...look.light};
   if (look.rival) return {...parameters, technique: look.rival};
   if (level >= levels.smooth && isSmooth()) parameters.samples = String(look.samples);
   if (level >= levels.soft && isSoft()) {
@@ -88,14 +95,15 @@ function refine(level) {
 }
 
 async function request(level) {
-  const mine = ++number, parameters = parametersOf(level), isComparison = look.rival !== '', sent = performance.now();
+  const mine = ++number, parameters = parametersOf(level), isComparison = !look.hours && look.rival !== '';
+  const path = look.hours ? 'hours' : isComparison ? 'compare' : 'frame', sent = performance.now();
   if (level === levels.moving) parameters.draft = '1';
   ++inFlight;
   try {
-    const answer = await ask(isComparison ? 'compare.jpg' : 'frame.jpg', parameters);
+    const answer = await ask(`${path}.jpg`, parameters);
     const facts = JSON.parse(answer.headers.get('X-Gnomon'));
     const image = await createImageBitmap(await answer.blob());
-    if (mine > shown.number) show({number: mine, level, facts, image, parameters, isComparison}, sent);
+    if (mine > shown.number) show({number: mine, level, facts, image, parameters, isComparison, path}, sent);
     if (level !== levels.moving || performance.now() - lastInput > stillAfterMs) continueAfter(level, mine);
   } catch (error) {
     if (error.status !== 409) failed(error, parameters);
@@ -154,8 +162,8 @@ function draw() {
   drawOverlay(facts);
 }
 
-function describe({facts, level, image, isComparison}, waited) {
-  const words = {[levels.moving]: 'moving', [levels.sharp]: 'sharp', [levels.smooth]: `${look.samples} samples`,
+function describe({facts, level, image, isComparison, path}, waited) {
+  const words = path === 'hours' ? Array(4).fill(`${facts.suns} suns`) : {[levels.moving]: 'moving', [levels.sharp]: 'sharp', [levels.smooth]: `${look.samples} samples`,
                  [levels.soft]: `${look.samples} samples, sun of ${look.sunAngle} degrees`};
   const height = isComparison ? image.height / 3 : image.height;
   const rate = level === levels.moving ? `${trail.length} pictures/s, ` : '';

@@ -11,11 +11,14 @@ namespace {
 
 constexpr std::size_t longest_value = 200;
 
-/// What both commands take.
-constexpr std::array view_options{
-    "size", "camera", "eye", "target", "up", "fovy", "light", "light-direction", "light-position", "time", "animation"};
+/// What all commands take.
+constexpr std::array camera_options{"size", "camera", "eye", "target", "up", "fovy", "time", "animation"};
+/// What gnomon hours does not take.
+constexpr std::array light_options{"light", "light-direction", "light-position"};
 /// What only gnomon render takes.
 constexpr std::array picture_options{"samples", "sun-angle", "sun-samples", "ambient", "exposure", "technique", "set"};
+/// What only gnomon hours takes.
+constexpr std::array hours_options{"place", "day", "step", "north", "most"};
 
 template <typename Names>
 bool has(const Names& names, std::string_view name) {
@@ -39,9 +42,24 @@ std::string option_text(const std::string& name, const std::string& value) {
     return fmt::format("--{}={}", name, value);
 }
 
-void require_bounds(const RenderOptions& options) {
+/// The command, the scene, and those parameters that `takes` by their name.
+template <typename Takes>
+std::vector<std::string> arguments_of(const char* command, const PageOptions& page, const Parameters& parameters,
+                                      const Takes& takes) {
+    std::vector<std::string> arguments = scene_arguments(page, parameters);
+    arguments.insert(arguments.begin(), command);
+    for (const auto& [name, value] : parameters)
+        if (has(camera_options, name) || takes(name)) arguments.push_back(option_text(name, value));
+    return arguments;
+}
+
+void require_size(const ViewOptions& options) {
     if (std::uint64_t(options.size.width) * options.size.height > most_pixels)
         throw UsageError(fmt::format("a picture of the page has at most {} pixels", most_pixels));
+}
+
+void require_bounds(const RenderOptions& options) {
+    require_size(options);
     if (options.sun_samples.value_or(0) > most_sun_samples)
         throw UsageError(fmt::format("a sun of the page has at most {} samples", most_sun_samples));
     if (options.sky_division > most_sky_division)
@@ -71,19 +89,22 @@ std::string value_of(const Parameters& parameters, const std::string& name) {
 }  // namespace
 
 std::vector<std::string> render_arguments(const PageOptions& page, const Parameters& parameters) {
-    std::vector<std::string> arguments = scene_arguments(page, parameters);
-    arguments.insert(arguments.begin(), "render");
-    for (const auto& [name, value] : parameters)
-        if (has(view_options, name) || has(picture_options, name)) arguments.push_back(option_text(name, value));
+    std::vector<std::string> arguments = arguments_of("render", page, parameters, [](const std::string& name) {
+        return has(light_options, name) || has(picture_options, name);
+    });
     arguments.insert(arguments.end(), {"-o", "view.png"});
     return arguments;
 }
 
 std::vector<std::string> explain_arguments(const PageOptions& page, const Parameters& parameters) {
-    std::vector<std::string> arguments = scene_arguments(page, parameters);
-    arguments.insert(arguments.begin(), "explain");
-    for (const auto& [name, value] : parameters)
-        if (has(view_options, name) || name == "pixel") arguments.push_back(option_text(name, value));
+    return arguments_of("explain", page, parameters,
+                        [](const std::string& name) { return has(light_options, name) || name == "pixel"; });
+}
+
+std::vector<std::string> hours_arguments(const PageOptions& page, const Parameters& parameters) {
+    std::vector<std::string> arguments =
+        arguments_of("hours", page, parameters, [](const std::string& name) { return has(hours_options, name); });
+    arguments.insert(arguments.end(), {"-o", "hours.png"});
     return arguments;
 }
 
@@ -95,8 +116,13 @@ RenderOptions render_request(const PageOptions& page, const Parameters& paramete
 
 ExplainOptions explain_request(const PageOptions& page, const Parameters& parameters) {
     ExplainOptions options = explain_options_of(with_program(explain_arguments(page, parameters)));
-    if (std::uint64_t(options.size.width) * options.size.height > most_pixels)
-        throw UsageError(fmt::format("a picture of the page has at most {} pixels", most_pixels));
+    require_size(options);
+    return options;
+}
+
+HoursOptions hours_request(const PageOptions& page, const Parameters& parameters) {
+    HoursOptions options = hours_options_of(with_program(hours_arguments(page, parameters)));
+    require_size(options);
     return options;
 }
 

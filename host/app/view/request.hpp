@@ -23,9 +23,12 @@ inline constexpr std::uint32_t most_sun_samples = 1024, most_sky_division = 4;
 std::vector<std::string> render_arguments(const PageOptions& page, const Parameters& parameters);
 /// The same that explains its pixel, the parameter `pixel`.
 std::vector<std::string> explain_arguments(const PageOptions& page, const Parameters& parameters);
+/// The same that colours the hours of a day: the parameters `place` and `day`, and how finely.
+std::vector<std::string> hours_arguments(const PageOptions& page, const Parameters& parameters);
 
 RenderOptions render_request(const PageOptions& page, const Parameters& parameters);
 ExplainOptions explain_request(const PageOptions& page, const Parameters& parameters);
+HoursOptions hours_request(const PageOptions& page, const Parameters& parameters);
 /// The suns of the parameters `place` and `day`, every ten minutes.
 SunsOfPlace suns_request(const Parameters& parameters);
 

@@ -127,6 +127,15 @@ struct PageServer::Inside {
         set_command(request, frame);
         return frame;
     }
+    Frame hours(const Request& request, bool has_legend) {
+        const Parameters parameters(request.params.begin(), request.params.end());
+        const HoursOptions options = hours_request(page, parameters);
+        Frame frame = worker.run(client_of(request, "picture"), [&](ViewSession& session, const GoOn& go_on) {
+            return session.hours(options, has_legend, go_on);
+        });
+        frame.facts["command"] = shell_line(hours_arguments(page, parameters));
+        return frame;
+    }
     void set_command(const Request& request, Frame& frame) const {
         frame.facts["command"] = shell_line(render_arguments(page, {request.params.begin(), request.params.end()}));
     }
@@ -199,6 +208,11 @@ struct PageServer::Inside {
         });
         route("/compare.png",
               [this](const Request& request, Response& response) { send_png(comparison(request), response); });
+        route("/hours.jpg", [this](const Request& request, Response& response) {
+            send_jpeg(request, response, hours(request, false));
+        });
+        route("/hours.png",
+              [this](const Request& request, Response& response) { send_png(hours(request, true), response); });
         route("/explain", [this](const Request& request, Response& response) { send_explanation(request, response); });
         route("/suns", [](const Request& request, Response& response) {
             const SunsOfPlace place = suns_request({request.params.begin(), request.params.end()});

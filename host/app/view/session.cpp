@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "../sun_sums.hpp"
 #include "facts.hpp"
 #include "measure/visibility_errors.hpp"
 
@@ -201,6 +202,30 @@ Frame ViewSession::comparison(const RenderOptions& options) {
                    {"points", errors.points},
                    {"wrongly_lit", errors.wrongly_lit},
                    {"wrongly_shadowed", errors.wrongly_shadowed}};
+    return frame;
+}
+
+Frame ViewSession::hours(const HoursOptions& options, bool has_legend, const GoOn& go_on) {
+    Stopwatch watch(device_);
+    Pose& pose = pose_of(options);
+    const ChosenCamera camera = camera_of(options, pose);
+    const auto [width, height] = options.size;
+    const SunTable table = suns_of_place(*options.place, options.north_degrees);
+    const View view = camera_pass_.look(pose.triangles, camera.camera, width, height);
+    watch.stop("camera");
+    std::vector<double> values =
+        sun_sums(options, exact(), pose.triangles, view.points, table, run_options(go_on)).values;
+    leave_sky_out(view.read(device_, pose.triangles).receiver, values);
+    watch.stop("hours");
+    const ColorScale scale = scale_of(options, values);
+    Frame frame{width, height, colored(scale, values), {}};
+    if (has_legend) draw_legend(scale, width, height, frame.rgba);
+    watch.stop("colours");
+    frame.facts = {{"camera", camera_facts(camera)},
+                   {"lights", ordered_json::array()},
+                   {"legend", legend_facts(scale)},
+                   {"suns", table.suns.size()},
+                   {"ms", watch.times()}};
     return frame;
 }
 

@@ -41,6 +41,9 @@ public:
     /// Three pictures, one below the other: hard shadows by the exact technique, by the options' technique, and where
     /// the two differ.
     Frame comparison(const RenderOptions& options);
+    /// The picture that gnomon hours makes of these options, with its legend or, for the page, with the legend's
+    /// colours among the facts.
+    Frame hours(const HoursOptions& options, bool has_legend, const GoOn& go_on);
     /// What gnomon explain says, and the shapes that it names.
     nlohmann::ordered_json explanation(const ExplainOptions& options);
 
