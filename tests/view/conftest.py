@@ -13,8 +13,12 @@ import urllib.parse
 import urllib.request
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
+
+if TYPE_CHECKING:
+    import browser
 
 ROOT = Path(__file__).resolve().parents[2]
 BINARY = os.environ.get("GNOMON_BINARY", str(ROOT / "build" / "gnomon"))
@@ -80,6 +84,23 @@ def sundial() -> Iterator[Server]:
     server = Server()
     yield server
     server.stop()
+
+
+@pytest.fixture(scope="session")
+def quick() -> Iterator[Server]:
+    """The same, whose pictures stay sharp."""
+    server = Server("--samples", "1")
+    yield server
+    server.stop()
+
+
+@pytest.fixture(scope="session")
+def driver(tmp_path_factory: pytest.TempPathFactory) -> Iterator["browser.Driver"]:
+    import browser
+
+    driver = browser.start(tmp_path_factory.mktemp("downloads"))
+    yield driver
+    driver.quit()
 
 
 @pytest.fixture(scope="session")

@@ -187,7 +187,7 @@ def test_the_colour_of_a_pixel_is_its_points_hours(sundial: Server, tmp_path: Pa
         for part in (16, 8, 4):  # the value's place on a scale that ends at 16 / part of it
             answer = sundial.get("hours.png", **VIEW, **DAY, most=repr(value * 16 / part))
             color = pillow.open(io.BytesIO(answer.body)).convert("RGB").getpixel((x, y))
-            assert "#%02x%02x%02x" % color == answer.facts["legend"]["colors"][part], (x, y, value)
+            assert "#{:02x}{:02x}{:02x}".format(*color) == answer.facts["legend"]["colors"][part], (x, y, value)
 
 
 # ---- Who is answered ----
@@ -208,7 +208,9 @@ def test_the_colour_of_a_pixel_is_its_points_hours(sundial: Server, tmp_path: Pa
     ],
     ids=str,
 )
-@pytest.mark.parametrize("path", ["", "state", "frame.jpg", "frame.png", "compare.jpg", "hours.png", "explain", "suns", "page.css"])
+@pytest.mark.parametrize(
+    "path", ["", "state", "frame.jpg", "frame.png", "compare.jpg", "hours.png", "explain", "suns", "page.css"]
+)
 def test_strangers_are_refused(sundial: Server, path: str, headers: dict[str, str]) -> None:
     answer = sundial.get(path, headers)
     assert answer.status == 403
