@@ -90,7 +90,9 @@ ViewSession::Pose& ViewSession::pose_of(const ViewOptions& options) {
         source_ = std::make_unique<SceneSource>(options, true);
         page_.animation = options.animation;
     }
+    if (!source_) source_ = std::make_unique<SceneSource>(options, true);
     scene::Scene scene = source_->at(options.time_s);
+    if (scene.animations.empty()) source_.reset();  // no time comes that would read it again
     pose_.reset();
     for (auto& [name, technique] : techniques_) technique->release_prepared_light();
     pose_ = std::make_unique<Pose>(device_, std::move(scene), options.time_s, &textures_);
@@ -120,7 +122,7 @@ Technique& ViewSession::technique_of(const RenderOptions& options) {
     for (const auto& [name, value] : options.settings) key += "\n" + name + "=" + value;
     if (const auto found = techniques_.find(key); found != techniques_.end()) return *found->second;
     auto made = make_technique(device_, options.technique, options.settings);
-    std::erase_if(techniques_, [](const auto& kept) { return kept.first != exact_name; });
+    if (key != exact_name) std::erase_if(techniques_, [](const auto& kept) { return kept.first != exact_name; });
     return *(techniques_[key] = std::move(made));
 }
 
@@ -133,17 +135,20 @@ void ViewSession::prepare_still_light(Pose& pose, const RenderOptions& options, 
     if (!can_be) return;
     const Light& light = lights.chosen.front().light;
     const bool stands_still = pose.last_light && pose.last_light->xyzw == light.xyzw;
-    if (stands_still && !pose.is_prepared) exact().prepare(pose.triangles, light);
+    if (stands_still && !pose.is_prepared) {
+        techniques_.erase(exact_name);  // with its lists of pictures without a prepared light
+        exact().prepare(pose.triangles, light);
+    }
     pose.is_prepared = stands_still;
     pose.last_light = light;
 }
 
 Frame ViewSession::picture(const RenderOptions& options, const GoOn& go_on) {
     Stopwatch watch(device_);
-    Technique& technique = technique_of(options);
     const Seen seen = look_of(options);
     watch.stop("camera");
     prepare_still_light(seen.pose, options, seen.lights);
+    Technique& technique = technique_of(options);
     Frame frame{options.size.width, options.size.height, {}, {}};
     // A run of one light has no steps between which it could end.
     const RunOptions run = options.samples > 1 || options.sun_angle_degrees ? run_options(go_on) : RunOptions();

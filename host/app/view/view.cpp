@@ -2,6 +2,7 @@
 // The outline of gnomon view: view(), at the end, reads top to bottom.
 #include <fcntl.h>
 #include <fmt/core.h>
+#include <malloc.h>
 #include <spawn.h>
 #include <unistd.h>
 
@@ -52,9 +53,17 @@ void open_browser(const fs::path& file) {
     posix_spawn_file_actions_destroy(&quietly);
 }
 
+/// Pictures and the device's buffers go back to the machine when they are freed, instead of to the threads' own pools.
+void return_memory_at_once() {
+    constexpr int large = 1 << 18, pools = 2;
+    mallopt(M_MMAP_THRESHOLD, large);
+    mallopt(M_ARENA_MAX, pools);
+}
+
 }  // namespace
 
 void view(const PageOptions& options) {
+    return_memory_at_once();
     if (options.scene && !std::ifstream(*options.scene)) throw Error("cannot read " + options.scene->string());
     Worker worker(options);
     PageServer server(options, worker);
