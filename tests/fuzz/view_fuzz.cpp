@@ -95,6 +95,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         const ExplainOptions options = explain_request(page, parameters);
         require(options.pixel && !options.point && !options.triangles, "a pixel of the scene");
     });
+    refusable([&] {
+        const HoursOptions options = hours_request(page, parameters);
+        require(options.place && options.place->days.month != 0 && !options.directions, "a day of a place");
+        require(options.result == "hours.png" && !options.aov && !options.points && options.device.empty(),
+                "no file but the picture's");
+        require(std::uint64_t(options.size.width) * options.size.height <= most_pixels, "a bounded picture");
+    });
     refusable([&] { require(suns_request(parameters).days.month != 0, "a day"); });
     return 0;
 }

@@ -107,6 +107,14 @@ def test_a_comparison_shows_both_and_counts_what_is_wrong(sundial: Server, tmp_p
     assert answer.facts["wrongly_shadowed"] == rounded.count((False, True))
 
 
+def test_a_comparison_may_come_first(sundial: Server) -> None:
+    server = Server()
+    settings = {"technique": "shadow-map", "set": "size=64"}
+    first = server.get("compare.png", **VIEW, **settings)
+    assert first.status == 200 and first.body == sundial.get("compare.png", **VIEW, **settings).body
+    server.stop()
+
+
 def test_explanations_are_those_of_explain(sundial: Server, tmp_path: Path) -> None:
     answers = set()
     for pixel in ("80,45", "148,15", "0,0", "60,60", "100,70"):
