@@ -110,6 +110,8 @@ def test_what_cannot_be_shown_is_said(command, tmp_path, monkeypatch):
         gnomon.view(tmp_path / "missing.glb", browser=False)
     with pytest.raises(RuntimeError, match="--samples"):
         gnomon.view(gnomon.Scene(FLOOR_AND_ROOF), browser=False, options=["--samples", "3"])
+    with pytest.raises(TypeError, match="ndarray"):
+        gnomon.view(FLOOR_AND_ROOF)
     with pytest.raises(ValueError, match="no triangles"):
         gnomon.view(gnomon.Scene(np.empty((0, 3, 3), np.float32)))
     with pytest.raises(ValueError, match="up"):

@@ -110,6 +110,8 @@ def view(
     folder = None
     if isinstance(scene, str | os.PathLike):
         words = [os.fspath(scene)]
+    elif not hasattr(scene, "_file"):
+        raise TypeError(f"scene: must be a gnomon.Scene or a file's name, not {type(scene).__name__}")
     elif scene._file is not None:
         words = list(scene._file)
     else:
@@ -150,7 +152,7 @@ def _glb(scene: Scene, up: str) -> bytes:
     if len(triangles) == 0:
         raise ValueError("scene: has no triangles to show")
     if up == "z":
-        triangles = triangles[..., [0, 2, 1]] * np.float32([1, 1, -1])
+        triangles = triangles[..., [0, 2, 1]] * np.array([1, 1, -1], np.float32)
     corners = np.ascontiguousarray(triangles, "<f4").reshape(-1, 3)
     if corners.nbytes > (1 << 32) - 4096:
         raise ValueError(f"scene: a glb file of {len(triangles):,} triangles would be longer than 4 GiB")

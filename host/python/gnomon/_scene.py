@@ -1061,7 +1061,7 @@ class View:
         return upload.device.call(shade)
 
     def _repr_png_(self) -> bytes:
-        """What a notebook shows: image() by the scene's first light, or where there is none by that of `gnomon render`."""
+        """What a notebook shows: image() by the scene's first light, or if it has none by that of `gnomon render`."""
         return _page.png_of(self.image(direction=self._light.get("direction"), position=self._light.get("position")))
 
     def __repr__(self) -> str:
