@@ -96,6 +96,28 @@ def test_a_leap_day_counts(tmp_path):
     assert horizontal.diffuse[59 * 24 : 60 * 24].any()
 
 
+def test_a_zone_of_half_an_hour(tmp_path):
+    """At its longitude the Sun of 12:30 stands half an hour past noon, in pvlib and in gendaymtx."""
+    path = write_epw(tmp_path / "a.epw", zone=5, longitude=82.5, days=1)
+    path.write_text(path.read_text().replace(",5,170.0", ",5.5,170.0").replace(",5.0,170.0", ",5.5,170.0"))
+    made = weather.read(path)
+    assert str(made.times[12]) == "2019-01-01 12:30:00+05:30"
+    azimuth, elevation = made.suns()
+    assert 180 < azimuth[12] < 190
+    parts, patch = weather.tregenza()
+    brightest = parts[patch == made.radiance()[1:, 12].argmax()].sum(axis=0)
+    towards = weather.towards(azimuth[12], elevation[12])
+    assert brightest @ towards > np.cos(np.radians(10)) * np.linalg.norm(brightest)
+
+
+def test_names_with_accents(tmp_path):
+    path = write_epw(tmp_path / "a.epw", days=1)
+    text = path.read_text().replace("Made", "S\u00e3o Paulo")
+    for data in (text.encode("latin-1"), text.encode(), b"\xef\xbb\xbf" + text.replace("\n", "\r\n").encode()):
+        path.write_bytes(data)
+        assert weather.read(path).name == "S\u00e3o Paulo"
+
+
 def test_the_sky_is_brightest_at_the_sun(greensboro):
     azimuth, elevation = greensboro.suns()
     is_clear = (greensboro.dni > 700) & (elevation > 15)
@@ -241,6 +263,8 @@ def changed(column, row, value):
         (changed(13, 30, "much"), "column ghi: could not convert"),
         (lambda rows: rows[:-1], "has 47 rows, which are not whole days"),
         (lambda rows: [*rows[:10], rows[9], *rows[11:]], r"the day of row 1 \(01 January\) has not hours 1 to 24"),
+        (lambda rows: [*rows, *rows[:24]], "has 01 January 2019 twice, again from row 49 on"),
+        (lambda rows: [*rows[:24], *([r[0], "2", "29", *r[3:]] for r in rows[24:])], "day is out of range for month"),
         (lambda rows: [], "has 0 rows"),
         (lambda rows: [row[:9] for row in rows], "cannot be read as an EPW file|column"),
     ],
