@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Writes weather_of_pvlib.csv, three days of the TMY3 table of Greensboro that pvlib ships, and weather_of_pvlib.json, the
-direct irradiance of each of their hours on planes by pvlib. pip install pvlib, then: python weather_of_pvlib.py FOLDER"""
+"""Writes weather_of_pvlib.csv, three days of the TMY3 table of Greensboro that pvlib ships, and weather_of_pvlib.json,
+the direct irradiance of their hours on planes by pvlib. pip install pvlib, then: python weather_of_pvlib.py FOLDER"""
 
 import json
 import sys
@@ -25,7 +25,7 @@ hours = []
 for time, row, azimuth, zenith in zip(middles, rows, sun["azimuth"], sun["zenith"], strict=True):
     dni = float(row[7])
     if dni > 0:
-        beam = [pvlib.irradiance.beam_component(t, a, zenith, azimuth, dni) for t, a in PLANES]
-        hours.append({"time": f"{time:%Y-%m-%dT%H:%M:%S}-05:00", "dni": dni, "beam": [round(float(b), 3) for b in beam]})
+        beam = [round(float(pvlib.irradiance.beam_component(t, a, zenith, azimuth, dni)), 3) for t, a in PLANES]
+        hours.append({"time": f"{time:%Y-%m-%dT%H:%M:%S}-05:00", "dni": dni, "beam": beam})
 text = ",\n".join(json.dumps(hour) for hour in hours)
 (FOLDER / "weather_of_pvlib.json").write_text(f'{{"planes": {json.dumps(PLANES)}, "hours": [\n{text}]}}\n')

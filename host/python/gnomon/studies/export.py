@@ -13,19 +13,22 @@ import rasterio
 import rasterio.shutil
 from numpy.typing import NDArray
 
+from .energy import ENERGIES
 from .plan import Plan
 from .receivers import RasterReceivers
 from .tables import suns_text
 
 NO_HOURS = -9999.0
 NO_BITS = -9999
-TITLES = {"sun_hours": "hours of sun", "sum_of_weights": "sum of weights"}
+TITLES = {"sun_hours": "hours of sun", "sum_of_weights": "sum of weights", "irradiation": "irradiation, kWh/m²",
+          "direct": "direct irradiation, kWh/m²", "diffuse": "diffuse irradiation, kWh/m²"}  # fmt: skip
 #: The arrays of the undecided parts of sums.
-UNDECIDED = {"sun_hours": "undecided_hours", "sum_of_weights": "undecided_weights"}
+UNDECIDED = {"sun_hours": "undecided_hours", "sum_of_weights": "undecided_weights",
+             **{name: f"undecided_{name}" for name in ENERGIES}}  # fmt: skip
 
 
 def export(plan: Plan, path: Path, what: str | None = None) -> list[Path]:
-    """Writes a result: `sun_hours`, `sum_of_weights` or `lit`; None: the first that the study has; or `suns`. Raises
+    """Writes a result: `sun_hours`, `sum_of_weights`, `irradiation`, `direct`, `diffuse` or `lit`; None: the first that the study has; or `suns`. Raises
     ValueError.
 
     A raster's sums become a COG of two bands: the sum, nodata where a sun is undecided, and the undecided part. Its
@@ -131,6 +134,8 @@ def _export_suns(plan: Plan, path: Path) -> Path:
             "larger zone="
         )
     is_up = np.isfinite(suns.towards[0, :, 0])
+    if len(suns.is_sky):
+        is_up &= ~suns.is_sky
     hours = suns.seconds / (3600.0 * suns.samples)
     weights = np.ldexp(suns.weights.astype(np.float64), suns.exponent) if suns.weights.any() else hours
     times = np.repeat(suns.times, suns.samples)[is_up].tolist() if suns.times else []
@@ -171,6 +176,8 @@ def picture(plan: Plan, path: Path, what: str | None = None, largest: int = 1200
     axes.set_xlabel("east, m")
     axes.set_ylabel("north, m")
     period = f"{plan.settings.start} to {plan.settings.end}" if plan.settings.start else "table of directions"
+    if plan.settings.weather is not None:
+        period = str(plan.suns.notes["weather"]).strip("'\"")
     axes.set_title(f"{TITLES[name]}, {period}", fontsize=10)
     figure.colorbar(drawn, ax=axes, label=TITLES[name])
     path.parent.mkdir(parents=True, exist_ok=True)
