@@ -28,8 +28,8 @@ UNDECIDED = {"sun_hours": "undecided_hours", "sum_of_weights": "undecided_weight
 
 
 def export(plan: Plan, path: Path, what: str | None = None) -> list[Path]:
-    """Writes a result: `sun_hours`, `sum_of_weights`, `irradiation`, `direct`, `diffuse` or `lit`; None: the first that the study has; or `suns`. Raises
-    ValueError.
+    """Writes a result: `sun_hours`, `sum_of_weights`, `irradiation`, `direct`, `diffuse` or `lit`; None: the first that
+    the study has; or `suns`. Raises ValueError.
 
     A raster's sums become a COG of two bands: the sum, nodata where a sun is undecided, and the undecided part. Its
     packed bits become, in the folder `path`, the Solar API's hourlyShade: 12 COGs of 24 bands of int32, bit d - 1 of
