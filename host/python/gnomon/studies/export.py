@@ -143,6 +143,13 @@ def _export_suns(plan: Plan, path: Path) -> Path:
     return path
 
 
+def _period(plan: Plan) -> str:
+    """The time of a study's suns, for a title."""
+    if plan.settings.weather is not None:
+        return "by\n" + str(plan.suns.notes["weather"]).strip("'\"")
+    return f"{plan.settings.start} to {plan.settings.end}" if plan.settings.start else "table of directions"
+
+
 def picture(plan: Plan, path: Path, what: str | None = None, largest: int = 1200) -> Path:
     """A map of sums with a legend; grey where a sun is undecided, white where there is no receiver. A raster with more
     than `largest` cells on a side is drawn by every n-th cell."""
@@ -175,10 +182,7 @@ def picture(plan: Plan, path: Path, what: str | None = None, largest: int = 1200
     axes.tick_params(axis="x", rotation=20)
     axes.set_xlabel("east, m")
     axes.set_ylabel("north, m")
-    period = f"{plan.settings.start} to {plan.settings.end}" if plan.settings.start else "table of directions"
-    if plan.settings.weather is not None:
-        period = str(plan.suns.notes["weather"]).strip("'\"")
-    axes.set_title(f"{TITLES[name]}, {period}", fontsize=10)
+    axes.set_title(f"{TITLES[name]}, {_period(plan)}", fontsize=10)
     figure.colorbar(drawn, ax=axes, label=TITLES[name])
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path)
