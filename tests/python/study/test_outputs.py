@@ -162,7 +162,7 @@ def test_the_page_runs(tmp_path, monkeypatch, capsys):
     assert re.search(r"[5-9]\.\d hours of sun on average, 0 answers undecided", capsys.readouterr().out)
     for name, of_page in (("town.png", "studies.png"), ("roofs.png", "roofs.png")):
         made, kept = (np.asarray(image.open(p).convert("L"), float) for p in (name, PAGE.parent / of_page))
-        assert made.shape == kept.shape and np.abs(made - kept).mean() < 4, "the page's picture is the one that it makes"
+        assert made.shape == kept.shape and np.abs(made - kept).mean() < 4, f"{name}: the page shows what it makes"
     (toml,) = re.findall(r"```toml\n(.*?)```", text, re.DOTALL)
     Path("town.toml").write_text(toml)
     settings, of_run = studies.read_toml("town.toml")
