@@ -104,7 +104,7 @@ SunPosition sun_position(double latitude_degrees, double longitude_degrees, doub
 SunPosition sun_position(double, double, double) {
     throw Error(
         "this gnomon was built without ERFA (Debian: liberfa-dev), which knows the sun's positions: give "
-        "--directions FILE.csv in place of --place");
+        "--directions FILE.csv in place of --place or --epw");
 }
 #endif
 

@@ -4,7 +4,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -19,8 +18,8 @@ namespace {
 using scene::NumberTable;
 
 constexpr std::size_t hours_per_day = 24;
-constexpr double most_power =
-    1500;  // W/m2, more than the Sun gives outside the air; files write 9999 for what is missing
+// W/m2, more than the Sun gives outside the air; files write 9999 for what is missing.
+constexpr double most_power = 1500;
 
 /// The beginning of the line that follows the first `count` ones.
 std::size_t line_after(std::string_view text, std::size_t count) {
@@ -61,7 +60,7 @@ void add_hour(WeatherFile& weather, const NumberTable& table, std::size_t row, c
     const std::size_t of_day = row % hours_per_day;
     const year_month_day date{year(day.year), month(unsigned(day.month)), std::chrono::day(unsigned(day.day))};
     const std::string text = fmt::format("{:04}-{:02}-{:02}", day.year, day.month, day.day);
-    if (!date.ok() || day.year < first_year || day.year > last_year)
+    if (!date.ok() || day.month > 12 || day.day > 31 || day.year < first_year || day.year > last_year)
         table.refuse(row, fmt::format("the day {}, which is none of {} to {}", text, first_year, last_year));
     if (hour != int(of_day) + 1) table.refuse(row, fmt::format("hour {} in place of {}", hour, of_day + 1));
     if (of_day != 0 && day != weather.hours.back().day)
@@ -71,7 +70,7 @@ void add_hour(WeatherFile& weather, const NumberTable& table, std::size_t row, c
 }
 
 int whole_number(const NumberTable& table, std::size_t row, const char* column) {
-    const double number = number_within(table, row, column, -1e6, 1e6, "part of a date");
+    const double number = number_within(table, row, column, 0, 9999, "part of a date");
     if (number != std::floor(number))
         table.refuse(row, fmt::format("{} = {}, which is no whole number", column, number));
     return int(number);

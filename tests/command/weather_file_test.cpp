@@ -133,6 +133,8 @@ TEST_F(WeatherFiles, BrokenFilesAreOneSentence) {
     expect_refused(replaced(good, row, "2019,6,21,6,"), "line 13 has hour 6 in place of 5");
     expect_refused(replaced(good, row, "2019,6,22,5,"), "line 13 has the day 2019-06-22 before the last has 24 h");
     expect_refused(replaced(good, row, "2019,6,31,5,"), "line 13 has the day 2019-06-31");
+    expect_refused(replaced(good, row, "2019,262,21,5,"), "line 13 has the day 2019-262-21");
+    expect_refused(replaced(good, row, "2019,-6,21,5,"), "line 13 has month = -6, which is no part of a date");
     expect_refused(replaced(good, row, "1850,6,21,5,"),
                    "line 13 has the day 1850-06-21, which is none of 1900 to 2100");
     expect_refused(replaced(good, row, "2019,6,21.5,5,"), "line 13 has day = 21.5, which is no whole number");

@@ -146,6 +146,18 @@ def test_tiles_and_blocks_change_no_bit(tmp_path):
         assert alone.digests() == {k: v for k, v in whole.digests().items() if k.endswith(output)}
 
 
+def test_a_polar_night_and_a_changed_file(tmp_path):
+    """Nothing, and not an error; another file under the same name is one."""
+    raster, _ = plane_on(tmp_path, "EPSG:32633", 78.2, 15.6)
+    epw = write_epw(tmp_path / "a.epw", latitude=78.2, longitude=15.6, days=2)
+    for outputs in (["direct"], ["irradiation"]):
+        night = run(tmp_path / outputs[0], raster=raster, weather=str(epw), outputs=outputs)
+        assert (night.dataset()[outputs[0]].values == 0).all()
+    write_epw(epw, latitude=78.2, longitude=15.6, days=3)
+    with pytest.raises(ValueError, match="a.epw: has changed since the study began"):
+        run(tmp_path / "direct", raster=raster, weather=str(epw), outputs=["direct"])
+
+
 def test_undecided_light_is_a_sum_of_its_own(tmp_path):
     raster = write_raster(tmp_path / "dsm.tif", city(24), crs=None)
     epw = write_epw(tmp_path / "a.epw", days=2)

@@ -106,7 +106,7 @@ class Plan:
 def _stamps(settings: Settings) -> dict[str, list[int]]:
     """Size and time of the files that a study reads."""
     result = {}
-    for name in (*settings.raster, *settings.meshes):
+    for name in (*settings.raster, *settings.meshes, *([settings.weather] if settings.weather else [])):
         path = Path(name)
         if path.exists():
             stat = path.stat()

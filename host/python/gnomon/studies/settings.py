@@ -128,7 +128,7 @@ class Settings:
         values = dataclasses.asdict(self)
         del values["memory_limit"]
         if self.weather is None:
-            del values["weather"]  # studies of 0.3 go on
+            del values["weather"]  # older studies go on
         return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()
 
 
