@@ -190,7 +190,7 @@ def test_the_command_writes_a_map_and_a_picture(tmp_path, capsys, monkeypatch):
 @pytest.mark.parametrize(
     "more, says",
     [
-        ({"start": "2026-01-01", "end": "2026-01-02"}, "start and end, or directions, or weather, or sky: one of them"),
+        ({"start": "2026-01-01", "end": "2026-01-02"}, "start and end, or directions, or sky, or weather: one of them"),
         ({"outputs": ["hours"]}, 'outputs: weather= gives "irradiation", "direct" and "diffuse"'),
         ({"weather": None, "directions": "a.epw", "outputs": ["direct"]}, "and these need weather="),
         ({"weather": "none.epw"}, "none.epw: there is no such file"),

@@ -157,7 +157,7 @@ def _check_scene(s: Settings) -> None:
 
 def _check_suns(s: Settings) -> None:
     sources = [s.start is not None or s.end is not None, s.directions is not None, s.weather is not None, s.sky > 0]
-    _need(sum(sources) == 1, "suns: give start and end, or directions, or weather, or sky: one of them")
+    _need(sum(sources) == 1, "suns: give start and end, or directions, or sky, or weather: one of them")
     _need((s.start is None) == (s.end is None), "start, end: one needs the other")
     _need(s.step > 0 and abs(s.step * 60 - round(s.step * 60)) < 1e-9, f"step: {s.step} is not whole seconds")
     _need(s.elevation in ("true", "apparent"), f"elevation: {s.elevation!r} is neither 'true' nor 'apparent'")
