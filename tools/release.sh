@@ -63,10 +63,15 @@ git archive HEAD | tar -C "$out/tree" -x
 "$packaging/fill_in.sh" -- "$out/tree"/{pyproject.toml,CITATION.cff}
 nice "$python" -m build --sdist --outdir "$out/python" "$out/tree" >"$out/sdist.log"
 tar -C "$out/sdist" -xzf "$out/python/gnomon-$version.tar.gz"
+link_flags=$(flags LDFLAGS)
+if [ "$(uname -m)" = x86_64 ]; then
+    gcc -O2 -fPIC -c "$packaging/older_glibc.c" -o "$out/older_glibc.o"
+    link_flags+=" -Wl,--wrap=hypot -Wl,--wrap=hypotf $out/older_glibc.o"
+fi
 for interpreter in "${pythons[@]}"; do
     tag=$(tag_of "$interpreter")
     python=$(environment "tools_$tag" "$interpreter" "${build_tools[@]}")
-    CXXFLAGS="$(flags CXXFLAGS) $(flags CPPFLAGS)" LDFLAGS="$(flags LDFLAGS)" nice "$python" -m pip --quiet wheel \
+    CXXFLAGS="$(flags CXXFLAGS) $(flags CPPFLAGS)" LDFLAGS=$link_flags nice "$python" -m pip --quiet wheel \
         "$out/sdist/gnomon-$version" --no-deps --no-build-isolation --wheel-dir "$out/sdist/wheel_$tag" --config-settings=build-dir="build/$tag"
     PATH=$(dirname "$python"):$PATH nice "$python" -m auditwheel repair --exclude 'libOpenCL.so*' --wheel-dir "$out/python" \
         "$out/sdist/wheel_$tag"/*.whl
