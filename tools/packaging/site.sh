@@ -32,6 +32,7 @@ fill() {
 }
 fill @CHECK@ "$pages/which_device.md" "$gnomon" devices --check
 fill @CITATION@ "$pages/citing.md" "$(dirname "$python")/cffconvert" -f bibtex -i "$pages/CITATION.cff"
+"$here/fill_in.sh" -- "$pages"/{which_device,citing}.md
 sed -n '/^## Tried by us/,$p' docs/drivers.md >>"$pages/which_device.md"
 
 NO_MKDOCS_2_WARNING=1 tool mkdocs build --strict --config-file "$folder/mkdocs.yml" >"$folder/mkdocs.log" 2>&1 ||
