@@ -71,7 +71,7 @@ fi
 for interpreter in "${pythons[@]}"; do
     tag=$(tag_of "$interpreter")
     python=$(environment "tools_$tag" "$interpreter" "${build_tools[@]}")
-    CXXFLAGS="$(flags CXXFLAGS) $(flags CPPFLAGS)" LDFLAGS=$link_flags nice "$python" -m pip --quiet wheel \
+    CXX=g++ CXXFLAGS="$(flags CXXFLAGS) $(flags CPPFLAGS)" LDFLAGS=$link_flags nice "$python" -m pip --quiet wheel \
         "$out/sdist/gnomon-$version" --no-deps --no-build-isolation --wheel-dir "$out/sdist/wheel_$tag" --config-settings=build-dir="build/$tag"
     PATH=$(dirname "$python"):$PATH nice "$python" -m auditwheel repair --exclude 'libOpenCL.so*' --wheel-dir "$out/python" \
         "$out/sdist/wheel_$tag"/*.whl
