@@ -24,6 +24,7 @@ version=$("$packaging/version.sh")
 mkdir -p "$out"
 step() { printf '\n== %s (after %d s)\n' "$*" "$SECONDS"; }
 
+git rev-parse --short=10 HEAD >"$out/commit"
 git status --porcelain | sed 's/^/only what is committed is released: /' >&2
 missing=()
 for package in debhelper dh-python help2man lintian debootstrap python3-dev python3-venv; do

@@ -5,7 +5,7 @@
 set -euo pipefail
 build=$1 folder=$2
 mkdir -p "$folder"
-commit=$(git rev-parse --short=10 HEAD)
+commit=$(cat "$build/commit")
 quoted() { sed 's/"/""/g; s/.*/"&"/'; }
 
 {

@@ -70,7 +70,11 @@ for package in "${packages[@]}"; do  # an older version: the same files, but for
     dpkg-deb -R /artefacts/${package}_*.deb older
     sed -i -E 's/^Version: .*$/Version: 0.2.0-1/; s/\(= [^)]*\)/(= 0.2.0-1)/' older/DEBIAN/control
     for library in $(find older -name 'libgnomon*.so.0*'); do
-        [ ! -L "$library" ] || ln -sf "$(readlink "$library" | sed 's/so\.0\.[0-9]*/so.0.2/')" "$library"
+        if [ -L "$library" ]; then
+            ln -sf "$(readlink "$library" | sed 's/so\.0\.[0-9]*/so.0.2/')" "$library"
+        else
+            sed -i 's/\(libgnomon[_a-z]*\.so\.0\.\)[0-9]/\12/g' "$library"  # ldconfig believes what is inside
+        fi
         mv "$library" "$(sed 's/so\.0\.[0-9]*/so.0.2/' <<<"$library")"
     done
     dpkg-deb -b older /tmp/${package}_older.deb >/dev/null
