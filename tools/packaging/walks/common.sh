@@ -9,7 +9,8 @@ apt() { apt-get -qq --no-install-recommends "$@" >/results/apt.log 2>&1 || { tai
 mkdir -p -m 555 /tmp/readonly
 as_stranger() { setpriv --reuid=65534 --regid=65534 --clear-groups env HOME=/tmp/readonly "$@"; }
 
-# fails STATUS WORDS COMMAND...: must fail so, and say these words; "said" has the line with them.
+# fails STATUS WORDS COMMAND...: must fail so, and say these words; "said" has the line with them (where CMake broke it,
+# which indents by two, with what follows).
 fails() {
     local status=0 all
     all=$("${@:3}" 2>&1) || status=$?
@@ -17,6 +18,8 @@ fails() {
         echo "${*:3}: exit $status, must be $1 with '$2': $all" >&2
         exit 1
     fi
-    said=$(grep -F -- "$2" <<<"$all" | head -1)
-    said=${said#"${said%%[! ]*}"}
+    said=$(awk -v words="$2" '!found && !index($0, words) { next }
+        found && !/^  [^ ]/ { exit }
+        { line = $0; sub(/^ +/, "", line); printf "%s%s", found ? " " : "", line; found = 1 }
+        !/^  / { exit }' <<<"$all")
 }
