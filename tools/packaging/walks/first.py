@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: MIT
 """The first thing that a stranger does with the Python package: two points, and a picture (first.ppm)."""
 
-import numpy as np
-
 import gnomon
+import numpy as np
 
 box = [[[0, 0, 1], [1, 0, 1], [0, 1, 1]], [[-3, -3, 0], [4, -3, 0], [4, 4, 0]], [[-3, -3, 0], [4, 4, 0], [-3, 4, 0]]]
 scene = gnomon.Scene(np.float32(box))
