@@ -8,13 +8,12 @@ import os
 import threading
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import IO, TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _arrays, _cut_outs, _gnomon, _lights, _meshes
+from . import _arrays, _cut_outs, _files, _gnomon, _lights, _meshes
 from . import _lattice as _world
 from ._devices import Device, device_of, device_of_queue
 from ._side import EXACT, Side, Technique, VertexSide
@@ -297,7 +296,7 @@ class Scene:
     @classmethod
     def from_gltf(
         cls,
-        path: str | os.PathLike[str],
+        path: str | os.PathLike[str] | IO[bytes],
         *,
         time: float | None = None,
         animation: str | int | None = None,
@@ -308,19 +307,14 @@ class Scene:
         """The scene of a .glb or .gltf file, with its `cameras` and `lights` by name, the names of its `animations`,
         and `warnings`: what the file has and gnomon leaves out, a sentence each.
 
+        `path`: the file's name, or a binary file from where it stands: open(name, "rb"), io.BytesIO, a member of a
+        ZipFile. Only a name leads to the files beside it.
         `time`: seconds into `animation` (a name or an index; default: the first). Without both the pose is the one at
         rest. `scene`: one of the file's scenes, by name or index. Materials with alphaMode MASK are cut-outs, if Pillow
         is installed to decode their images. `blend`: triangles with alphaMode BLEND block as opaque ones, as if they
         were not there, or as masks with a cutoff of .5. Raises FileNotFoundError, or ValueError that names the wrong
         part.
         """
-        if not isinstance(path, str | os.PathLike):
-            raise TypeError(
-                f"path: must be a file's name, not {type(path).__name__}: write its bytes into a file first"
-            )
-        file = Path(path)
-        if not file.exists():
-            raise FileNotFoundError(f"{file}: does not exist")
         if not hasattr(_gnomon, "load_scene"):
             raise RuntimeError(
                 "this build of gnomon reads no glTF files (tinygltf, GLM or meshoptimizer was missing when it was "
@@ -328,20 +322,21 @@ class Scene:
             )
         if blend not in BLENDS:
             raise ValueError(f"blend: must be one of {', '.join(BLENDS)}, not {blend!r}")
-        loaded = _gnomon.load_scene(
-            str(file),
-            scene=None if scene is None else str(scene),
-            animation=None if animation is None else str(animation),
-            time_s=None if time is None else float(time),
-            blend=BLENDS.index(blend),
-            decode_alpha=_cut_outs.decode_alpha if _cut_outs.has_decoder() else None,
-        )
+        with _files.on_disk(path, "path") as file:
+            loaded = _gnomon.load_scene(
+                str(file.path),
+                scene=None if scene is None else str(scene),
+                animation=None if animation is None else str(animation),
+                time_s=None if time is None else float(time),
+                blend=BLENDS.index(blend),
+                decode_alpha=_cut_outs.decode_alpha if _cut_outs.has_decoder() else None,
+            )
         result = cls(loaded.take_triangles(), device=device)
         result._cut_outs = loaded.take_cut_outs()
         result.cameras = dict(loaded.cameras)
         for name, (x, y, z, w) in loaded.lights:
             result.lights[name] = {"position": (x, y, z)} if w else {"direction": (-x, -y, -z)}
-        result.warnings = list(loaded.warnings)
+        result.warnings = [file.named(warning) for warning in loaded.warnings]
         result.animations = list(loaded.animations)
         result._material = loaded.take_triangle_material()
         result._base_color = [(r, g, b) for r, g, b in loaded.base_color]
