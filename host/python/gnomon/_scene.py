@@ -225,6 +225,7 @@ class Scene:
         self._moved: dict[tuple[int, ...], _OnDevice] = {}  # on a lattice: the triangles near the last view's eye
         self._is_closed = False
         self.cameras: dict[str, _gnomon.Camera] = {}
+        self._eyes: dict[str, tuple[float, float, float]] = {}  # of cameras, in double
         self.lights: dict[str, dict[str, tuple[float, float, float]]] = {}
         self.warnings: list[str] = []
         self._twin: Scene | None = None  # the same triangles on a lattice
@@ -331,10 +332,16 @@ class Scene:
                 blend=BLENDS.index(blend),
                 decode_alpha=_cut_outs.decode_alpha if _cut_outs.has_decoder() else None,
             )
-        result = cls(loaded.take_triangles(), device=device)
+        doubles = loaded.take_doubles()
+        result = cls(loaded.take_triangles() if doubles is None else doubles, device=device)
         result._cut_outs = loaded.take_cut_outs()
         result.cameras = dict(loaded.cameras)
-        for name, (x, y, z, w) in loaded.lights:
+        for (name, _), (x, y, z) in zip(loaded.cameras, loaded.eyes, strict=True):
+            result._eyes[name] = (x, y, z)
+        extent = float(np.ptp(result.bounds, axis=0).max()) if loaded.lights else 0.0
+        for (name, (x, y, z, w)), place in zip(loaded.lights, loaded.positions, strict=True):
+            if w and (doubles is not None or _world.moves_visibly(place, extent)):
+                x, y, z = place
             result.lights[name] = {"position": (x, y, z)} if w else {"direction": (-x, -y, -z)}
         result.warnings = [file.named(warning) for warning in loaded.warnings]
         result.animations = list(loaded.animations)
@@ -844,14 +851,18 @@ class Scene:
         if (camera is None) == (eye is None and target is None):
             raise ValueError("give either eye= and target=, or camera=, a name of `cameras`")
         width, height = int(size[0]), int(size[1])
-        if camera is None and (twin := self._needed_twin(np.empty((0, 3)), eye, target)):
-            return twin.view(eye, target, up=up, fov=fov, size=size)
+        if camera is not None and camera not in self.cameras:
+            raise ValueError(f"camera: there is no {camera!r}; there are {', '.join(self.cameras) or 'none'}")
         if camera is not None:
-            if camera not in self.cameras:
-                raise ValueError(f"camera: there is no {camera!r}; there are {', '.join(self.cameras) or 'none'}")
-            chosen, origin, upload = self.cameras[camera], None, self._on(self._device)
+            eye = target = self._eyes[camera]
+        if twin := self._needed_twin(np.empty((0, 3)), eye, target):
+            if camera is not None:
+                return twin.view(camera=camera, size=size)
+            return twin.view(eye, target, up=up, fov=fov, size=size)
+        local_eye, local_target, origin, upload = self._at_eye(eye, target)
+        if camera is not None:
+            chosen = self.cameras[camera].at(local_eye)
         else:
-            local_eye, local_target, origin, upload = self._at_eye(eye, target)
             chosen = _gnomon.Camera.look_at(local_eye, local_target, _arrays.triple(up, "up"), float(fov))
         view = upload.device.call(_gnomon.look, upload.device.native, upload.triangles, chosen, width, height)
         return View(self, upload, view, (width, height), origin)
