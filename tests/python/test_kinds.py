@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Kinds of things that people hand in: the tests whose parameters are the members that were tried, at least ten each; and
-where each of the inputs that once gave trouble is tried. A row that no test backs is an error."""
+"""Kinds of things that people hand in: the tests whose parameters are the members that were tried, at least ten each;
+and where each of the inputs that once gave trouble is tried. A row that no test backs is an error."""
 
 import re
 import subprocess
@@ -18,7 +18,8 @@ KINDS = {
                   "test_processes.py::test_the_interpreter_ends"],
     "one loader": ["test_gltf.py::test_made_files", "study/test_inputs.py::test_gltf",
                    "study/test_inputs.py::test_mesh_files", "study/test_inputs.py::test_cityjson"],
-    "units and grids": ["study/test_inputs.py::test_units_of_heights", "study/test_inputs.py::test_directions_on_the_map",
+    "units and grids": ["study/test_inputs.py::test_units_of_heights",
+                        "study/test_inputs.py::test_directions_on_the_map",
                         "study/test_inputs.py::test_grids_that_are_refused", "study/test_inputs.py::test_grids"],
     "absent values": ["test_absent.py::test_points", "test_absent.py::test_vertices",
                       "test_absent.py::test_numbers_that_mean_no_data", "study/test_absent_heights.py::test_declared",
@@ -36,7 +37,7 @@ KINDS = {
 
 #: What gave trouble: a file of tests, and what stands in it.
 INPUTS = {
-    "a child of a process that used OpenCL": ("python/test_processes.py", "def test_a_child_answers_or_refuses_at_once"),
+    "a child of a process that used OpenCL": ("python/test_processes.py", "def test_a_child_answers_or_refuses"),
     "thirteen kinds of glTF in a study": ("python/study/test_inputs.py", "def test_gltf"),
     "heights in feet": ("python/study/test_inputs.py", "def test_units_of_heights"),
     "tables in any order": ("python/study/test_sun_tables.py", "def test_tables_as_people_have_them"),

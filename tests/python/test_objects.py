@@ -6,6 +6,7 @@
 import gzip
 import io
 import mmap
+import os
 import tarfile
 import tempfile
 import types
@@ -125,6 +126,8 @@ REFUSED = {
     "a name of a glTF file": (lambda: "town.GLTF", "gnomon.Scene.from_gltf"),
     "a path to another mesh": (lambda: Path("town.obj"), "trimesh.load"),
     "an open file": (lambda: io.BytesIO(b"glTF"), r"gnomon.Scene.from_gltf\(file\).*trimesh.load"),
+    "the bytes of a file": (lambda: b"glTF", r"gnomon.Scene.from_gltf\(io.BytesIO\(data\)\)"),
+    "a path in a zip file": (lambda: types.SimpleNamespace(read_bytes=bytes), r"gnomon.Scene.from_gltf\(file\)"),
     "a dictionary": (lambda: {"vertices": VERTICES, "faces": FACES}, "gnomon.Scene.vertices, faces"),
     "a raster of xarray": (raster, "gnomon.study.*raster="),
     "an xarray dataset": (lambda: raster().to_dataset(name="dsm"), "gnomon.study.*raster="),
@@ -235,6 +238,16 @@ def test_files_of_gltf(member, tmp_path):
         given.close()
 
 
+def seek_to_end(file):
+    file.seek(0, os.SEEK_END)
+    return file
+
+
+def closed(file):
+    file.close()
+    return file
+
+
 OTHER_FILES = {
     "bytes": (lambda: LEAVES.read_bytes(), TypeError, r"not bytes: io.BytesIO\(data\) is one"),
     "a file of text": (lambda: open(LEAVES, encoding="latin-1"), TypeError, "leaves.glb gives str.*mode 'rb'"),
@@ -242,7 +255,13 @@ OTHER_FILES = {
     "a number": (lambda: 3, TypeError, r"not int: open\(name, 'rb'\) is one"),
     "None": (lambda: None, TypeError, "not NoneType"),
     "a name that is not there": (lambda: "none.glb", FileNotFoundError, "none.glb: does not exist"),
-    "nothing": (io.BytesIO, ValueError, "^<BytesIO>: the file is empty"),
+    "a URL": (lambda: "https://a.org/b.glb", FileNotFoundError, "https://a.org/b.glb: does not exist here: download"),
+    "nothing": (io.BytesIO, ValueError, "^path: <BytesIO> gives no bytes: it is empty"),
+    "a file at its end": (lambda: seek_to_end(io.BytesIO(b"glTF")), ValueError, r"read to its end \(seek\(0\)\)"),
+    "a closed file": (lambda: closed(open(LEAVES, "rb")), ValueError, "leaves.glb cannot be read: read of closed file"),
+    "a file for writing": (lambda: open(os.devnull, "wb"), ValueError, "^path: /dev/null cannot be read"),
+    "a zip file": (lambda: zipfile.ZipFile(io.BytesIO(b"PK\5\6" + bytes(18))), TypeError, "ZipFile gives no bytes.*: open a member"),
+    "a class": (lambda: io.BytesIO, TypeError, "^path: "),
     "no glTF": (lambda: io.BytesIO(b"no glTF at all"), ValueError, "^<BytesIO>: "),
     "half a file": (lambda: io.BytesIO(LEAVES.read_bytes()[:5000]), ValueError, "^<BytesIO>: "),
     "files beside it": (
@@ -269,4 +288,12 @@ def test_arrays_are_not_read_from_files(tmp_path):
             scene.lit(file, direction=DOWN)
         with pytest.raises(ValueError, match=r"^heights: must be an array, not a file .*rasterio.open"):
             gnomon.viewshed(file, (0, 0))
+    image = pytest.importorskip("PIL.Image")
+    image.new("RGBA", (2, 2), (0, 0, 0, 7)).save(tmp_path / "leaf.png")
+    uv = VERTICES[:, :2]
+    with pytest.raises(ValueError, match=r"alpha: must be an array, not a file \(.*PIL.Image.open\(file\)"):
+        gnomon.Scene(VERTICES, FACES, cut_outs=gnomon.CutOuts([0, 0], [gnomon.CutOut(tmp_path / "leaf.png")], uv))
+    assert (np.asarray(image.open(tmp_path / "leaf.png").convert("RGBA"))[..., 3] == 7).all()
+    with pytest.raises(ValueError, match="direction: must be three numbers, not 'down'"):
+        scene.lit([[0, 0, 0]], direction="down")
     assert scene.lit(np.loadtxt(tmp_path / "a.csv", delimiter=","), direction=DOWN).tolist() == RIGHT

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Every block of code in docs, README.md and CONTRIBUTING.md has something in CI that runs it, or a reason why none can."""
+"""Every block of code in docs, README.md and CONTRIBUTING.md has something in CI that runs it, or a reason why none
+can."""
 
 import re
 from pathlib import Path
@@ -24,8 +25,8 @@ RUN = {
     ("docs/viewshed.md", "python"): (3, "python/study/test_viewshed_command.py"),
     ("docs/viewshed.md", "sh"): (1, "python/study/test_viewshed_command.py"),
 }
-#: What runs elsewhere: the place, and a word of it. (README's lines of build/gnomon name a reader's scene: their options
-#: are tried by tests/command.)
+#: What runs elsewhere: the place, and a word of it. (README's lines of build/gnomon name a reader's scene: tests/command
+#: tries their options.)
 ELSEWHERE = {
     ("README.md", "sh"): (3, ".ci/run", "test.sh"),
     ("CONTRIBUTING.md", "sh"): (3, ".ci/run", "test.sh"),

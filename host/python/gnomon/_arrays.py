@@ -36,14 +36,15 @@ def on_host(array: Any, name: str) -> NDArray[Any]:
 
 
 def _require_no_file(array: Any, name: str) -> None:
-    is_name = isinstance(array, str | os.PathLike)
+    is_name = isinstance(array, os.PathLike) or (isinstance(array, str) and os.path.splitext(array)[1] != "")
     if not is_name and (not hasattr(array, "read") or hasattr(array, "__array__")):
         return
-    call = (
-        "rasterio.open(file).read(1, masked=True)"
-        if name == "heights"
-        else "numpy.load(file), or numpy.loadtxt(file, delimiter=',')"
-    )
+    if name == "heights":
+        call = "rasterio.open(file).read(1, masked=True)"
+    elif name.endswith("alpha"):
+        call = "numpy.asarray(PIL.Image.open(file).convert('RGBA'))[..., 3]"
+    else:
+        call = "numpy.load(file), or numpy.loadtxt(file, delimiter=',')"
     given = repr(os.fspath(array)) if is_name else type(array).__name__
     raise ValueError(f"{name}: must be an array, not a file ({given}): {call} makes one")
 

@@ -32,12 +32,14 @@ def on_disk(given: Any, argument: str) -> Iterator[FileOnDisk]:
     """A file that is given by its name, or as an object whose read() or read_bytes() gives bytes: as a copy then, while
     the context lasts. A ValueError on the way gets the object's name.
 
-    Raises FileNotFoundError for a name without a file, and TypeError for what is neither.
+    Raises FileNotFoundError for a name without a file, TypeError for what is neither, and ValueError for an object that
+    cannot be read.
     """
     if isinstance(given, str | os.PathLike):
         path = Path(given)
         if not path.exists():
-            raise FileNotFoundError(f"{path}: does not exist")
+            is_url = "://" in os.fspath(given)
+            raise FileNotFoundError(f"{os.fspath(given)}: does not exist" + " here: download it first" * is_url)
         yield FileOnDisk(path, str(path))
         return
     data, name = _bytes_of(given, argument), _name_of(given)
@@ -64,7 +66,14 @@ def _bytes_of(given: Any, argument: str) -> bytes:
         raise TypeError(
             f"{argument}: must be a file's name or a binary file, not {type(given).__name__}: open(name, 'rb') is one"
         )
-    data = read()
+    try:
+        data = read()
+    except TypeError:
+        raise TypeError(f"{argument}: {type(given).__name__} gives no bytes by itself: open a member of it") from None
+    except (OSError, ValueError) as error:
+        raise ValueError(f"{argument}: {_name_of(given)} cannot be read: {error}") from None
     if not isinstance(data, bytes | bytearray):
         raise TypeError(f"{argument}: {_name_of(given)} gives {type(data).__name__}, not bytes: open it with mode 'rb'")
+    if not data:
+        raise ValueError(f"{argument}: {_name_of(given)} gives no bytes: it is empty, or read to its end (seek(0))")
     return bytes(data)
