@@ -54,7 +54,8 @@ gnomon_wing(receivers frame_grid light_frame footprint block_bounds facing facin
             receiver_depth_pyramid light_frames)
 gnomon_wing(occluders bin_lists bin_overlap hull_bounds clusters cluster_boxes conservative_map triangle_setup
             triangle_bounds triangle_records eye_records tile_bins triangle_tiles bins occluder_lists)
-gnomon_wing(camera camera camera_rays pixel_rays nearest nearest_gpu camera_filter long_lists shading_point shading_lanes)
+gnomon_wing(camera camera camera_rays pixel_rays nearest nearest_gpu camera_filter long_lists shading_point shading_lanes
+            small_views)
 gnomon_wing(trace light_order trace map_query filter trace_points walk_cpu walk_gpu trace_kernel exact_trace provenance
             map_choice frustum_tracer explain)
 gnomon_wing(prepared prepared_light unshadowed_triangles prepared_facing prepared_trace prepared_runs)

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <iterator>
+#include <mutex>
 #include <sstream>
 
 #include "environment.hpp"
@@ -152,6 +153,9 @@ DeviceDescription select_device(std::string_view selector) {
 std::vector<DeviceDescription> devices() {
     std::vector<DeviceDescription> all;
     if (!cl::try_to_load_opencl().empty()) return all;
+    // PoCL 3.1 starts at the first call, and tells a second thread meanwhile that it has no device.
+    static std::mutex mutex;
+    const std::lock_guard lock(mutex);
     cl_uint platform_count = 0;
     if (clGetPlatformIDs(0, nullptr, &platform_count) != CL_SUCCESS) return all;
     std::vector<cl_platform_id> platforms(platform_count);

@@ -8,12 +8,12 @@ typedef struct Barycentric {
     float3 at, across, down;
 } Barycentric;
 
-static float3 surface_vector(const float* v) { return (float3)(v[0], v[1], v[2]); }
+GN_INLINE_ON_CPU float3 surface_vector(const float* v) { return (float3)(v[0], v[1], v[2]); }
 
-static float3 surface_cross(float3 v, float3 w) {
+GN_INLINE_ON_CPU float3 surface_cross(float3 v, float3 w) {
     return (float3)(v.y * w.z - v.z * w.y, v.z * w.x - v.x * w.z, v.x * w.y - v.y * w.x);
 }
-static float surface_dot(float3 v, float3 w) { return v.x * w.x + v.y * w.y + v.z * w.z; }
+GN_INLINE_ON_CPU float surface_dot(float3 v, float3 w) { return v.x * w.x + v.y * w.y + v.z * w.z; }
 
 static Barycentric barycentric_of(Triangle t, SurfaceParams params, float x, float y) {
     float3 eye = surface_vector(params.eye);
@@ -51,12 +51,12 @@ typedef struct SurfaceArrays {
     __global const uint* normals;
 } SurfaceArrays;
 
-static float2 blended_coordinates(__global const float* uv, float3 of) {
+GN_INLINE_ON_CPU float2 blended_coordinates(__global const float* uv, float3 of) {
     return (float2)(uv[0] * of.x + uv[2] * of.y + uv[4] * of.z, uv[1] * of.x + uv[3] * of.y + uv[5] * of.z);
 }
 
 // A corner's normal from the octahedral map; 0 if there is none.
-static float3 unpacked_normal(uint bits) {
+GN_INLINE_ON_CPU float3 unpacked_normal(uint bits) {
     if (bits == 0u) return (float3)(0.0f);
     float x = (float)(bits & 0xFFFFu) * (2.0f / 65534.0f) - (65536.0f / 65534.0f);
     float y = (float)(bits >> 16) * (2.0f / 65534.0f) - (65536.0f / 65534.0f);
@@ -114,9 +114,9 @@ __kernel void surfaces(SurfaceParams params, __global const float* vertices, __g
                        __global const float* coordinates, __global const float* corner_colors,
                        __global const uint* corner_normals, __global const SurfaceMaterial* materials,
                        __global const uchar4* texels, __global const float* decoded, __global float* albedos,
-                       __global float* normals, __global float* spreads) {
+                       __global float* normals, __global float* spreads GN_SHARES) {
     SurfaceArrays of = {triangle_material, coordinates, corner_colors, corner_normals};
-    GN_FOR_EACH(pixel, params.width * params.height) {
+    GN_FOR_EACH_OF(pixel, GN_SHARED_RANGE(params.width * params.height)) {
         float3 albedo = (float3)(0.0f);
         float spread = 0.0f;
         size_t slot = slots[pixel];
@@ -133,4 +133,5 @@ __kernel void surfaces(SurfaceParams params, __global const float* vertices, __g
         vstore3(albedo, pixel, albedos);
         if (params.has_normals != 0u) spreads[pixel] = spread;
     }
+    GN_END_SHARES;
 }

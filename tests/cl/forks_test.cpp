@@ -7,6 +7,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <functional>
 #include <gnomon.hpp>
 #include <optional>
@@ -177,6 +178,19 @@ TEST(Forks, TheCInterfaceReturnsAStatus) {
         return all ? refused : is_wrong;
     };
     EXPECT_EQ(child_of(before, after), refused);
+}
+
+TEST(Threads, OpenTheirDevicesAtOnce) {
+    EXPECT_EQ(answered, in_a_fork(
+                            [] {
+                                std::atomic<int> right = 0;
+                                std::vector<std::thread> threads;
+                                for (int i = 0; i < 4; ++i)
+                                    threads.emplace_back([&] { right += Held().run() == answered; });
+                                for (std::thread& thread : threads) thread.join();
+                                return right == 4 ? answered : is_wrong;
+                            },
+                            60));
 }
 
 }  // namespace

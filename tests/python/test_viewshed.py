@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: MIT
 """Viewsheds against rational arithmetic (sight_oracle.py), all cells: no answer may differ."""
 
+import copy
 import math
+import pickle
+import warnings
 from fractions import Fraction
 
 import gnomon
@@ -217,7 +220,13 @@ def test_rasters_in_any_order():
         ({"observers": [9, 9]}, r"observers: row 0 \[9.0, 9.0\] does not stand on the raster"),
         ({"observers": [[1, 1], [np.nan, 1]]}, "observers: row 1"),
         ({"observers": [1, 2, 3]}, "observers: shape"),
-        ({"height": 0}, "height: must be above 0"),
+        ({"observers": np.zeros((0, 2))}, "observers: there is none"),
+        ({"heights": np.eye(4) * -9999}, "row 0, column 0 is -9999, .*: say nodata=-9999.0"),
+        ({"heights": np.full((4, 4), -32768, np.int16)}, "row 0, column 0 is -32768"),
+        ({"heights": np.full((4, 4), 65535, np.uint16)}, "row 0, column 0 is 65535"),
+        ({"height": 0}, "height: must be at least a step of heights, 0.000976562, and below 32768"),
+        ({"heights": np.eye(4) * 1e12}, "height: must be at least a step of heights"),
+        ({"distance": [-5]}, "distance: must be at least 0, not -5"),
         ({"height": [1, 2]}, "height: must be a number, or one for each"),
         ({"target_height": -1}, "target_height: must be at least 0"),
         ({"cell": None}, "x= and y="),
@@ -232,6 +241,23 @@ def test_wrong_arguments_are_named(arguments, text):
     given = {"heights": np.zeros((4, 4)), "observers": [1, 1], "cell": 1} | arguments
     with pytest.raises(ValueError, match=text):
         gnomon.viewshed(given.pop("heights"), given.pop("observers"), **given)
+
+
+def test_infinite_heights_are_no_data():
+    heights = np.zeros((4, 5))
+    heights[1, 2:4] = np.inf, -np.inf
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert (gnomon.viewshed(heights, [0, 0], cell=1).is_absent == ~np.isfinite(heights)).all()
+
+
+def test_a_grid_stays_in_its_process_and_looks_from_one_place():
+    grid = gnomon.ViewshedGrid(np.zeros((4, 4)), cell=1)
+    for leave in (copy.copy, copy.deepcopy, pickle.dumps):
+        with pytest.raises(TypeError, match="ViewshedGrid lies on its device"):
+            leave(grid)
+    with pytest.raises(ValueError, match=r"observer: shape \(2, 2\) is not \(2,\)"):
+        grid.least_heights([[0, 0], [1, 1]])
 
 
 def test_a_mesh_is_seen_as_lamps_shine():

@@ -115,6 +115,39 @@ def require_no_fill_values(array: NDArray[Any], name: str) -> None:
         )
 
 
+#: Heights that stand for no data wherever they occur.
+NO_HEIGHTS = (-9999.0, -99999.0, -999999.0, -32768.0, -32767.0, 1e20, -1e20)
+
+
+def first_no_height(heights: NDArray[Any], is_there: NDArray[np.bool_]) -> tuple[int, int] | None:
+    """Row and column of the first height that stands for no data and does not say so. The extremes of a type of 16 bits
+    or more are no heights, nor is anything of 1e30 or more."""
+    is_there = is_there & np.isfinite(heights)
+    low, high = heights.min(where=is_there, initial=0), heights.max(where=is_there, initial=0)
+    if low > -9999 and high < 32767:
+        return None
+    if heights.dtype.kind in "iu":
+        limits = np.iinfo(heights.dtype)
+        extremes = [n for n in (limits.min, limits.max) if n != 0 and heights.dtype.itemsize > 1]
+        is_wrong = np.isin(heights, np.array([*extremes, *(n for n in NO_HEIGHTS if limits.min <= n <= limits.max)]))
+    else:
+        with np.errstate(over="ignore"):
+            is_wrong = (np.abs(heights) >= 1e30) | np.isin(heights, np.array(NO_HEIGHTS, heights.dtype))
+    found = np.argwhere(is_wrong & is_there)
+    return (int(found[0][0]), int(found[0][1])) if len(found) else None
+
+
+def require_heights(heights: NDArray[Any], is_there: NDArray[np.bool_], how_to_say: str) -> None:
+    """Of arrays: raises ValueError for a height that stands for no data. how_to_say: that it does; {} is the value."""
+    found = first_no_height(heights, is_there)
+    if found is not None:
+        value = heights[found].item()
+        raise ValueError(
+            f"heights: row {found[0]}, column {found[1]} is {value:.9g}, which is no height but stands for no data in "
+            f"files: say {how_to_say.format(repr(value))}, or make such cells NaN"
+        )
+
+
 def first_row(rows: NDArray[np.bool_]) -> int | None:
     """The first row that is marked; None if no row is."""
     marked = np.flatnonzero(rows)

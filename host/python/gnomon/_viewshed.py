@@ -158,8 +158,9 @@ class _Ground:
         for name, steps, least in (("height", rise, 1), ("target_height", targets, 0)):
             row = _arrays.first_row(np.asarray(~((steps >= least) & (steps < _LIMIT))))
             if row is not None:
-                lowest, highest = "above 0" if least else "at least 0", math.ldexp(_LIMIT, self.exponent)
-                raise ValueError(f"{name}: must be {lowest} and below {highest:g}, and that of row {row} is not")
+                step = math.ldexp(1.0, self.exponent)
+                lowest = f"at least a step of heights, {step:g}," if least else "at least 0"
+                raise ValueError(f"{name}: must be {lowest} and below {_LIMIT * step:g}, and that of row {row} is not")
         places = np.stack([(observers[:, 0] - self.columns.first) / self.columns.step,
                            (observers[:, 1] - self.rows.first) / self.rows.step], axis=1)  # fmt: skip
         cells = np.floor(places * _SUBCELLS + 0.5)
@@ -205,6 +206,8 @@ class _Ground:
         if distance is None:
             return np.broadcast_to(np.array([0, self.columns.size], np.int32), (count, rows, 2)).copy()
         reach = _per_observer(distance, count, "distance")[:, None]
+        if (reach < 0).any():
+            raise ValueError(f"distance: must be at least 0, not {reach.min():g}")
         across = self.rows.places()[None, :] - observers[:, 1:2]
         half = np.sqrt(np.maximum(reach**2 - across**2, 0))
         x = self.columns.places()
@@ -231,8 +234,8 @@ def _exponent_of(lattice: float | None, extent: float) -> int:
 class ViewshedGrid:
     """A raster on the device that is asked for several viewsheds: viewshed() has the arguments, and the rules.
 
-    heights: (R, C), metres; NaN and masked cells have no data. x, y: (C,), (R,): the cells' centres, equally spaced, in
-    either direction; or cell: the cells' size, a number or (width, depth), with row 0 in the north and the centre of
+    heights: (R, C), metres; NaN, infinite and masked cells have no data. x, y: (C,), (R,): the cells' centres, equally
+    spaced, in either direction; or cell: the cells' size, a number or (width, depth), with row 0 in the north and the centre of
     the south-westernmost cell at 0, 0.
     """
 
@@ -254,7 +257,6 @@ class ViewshedGrid:
         if values.ndim != 2 or min(values.shape) < 2 or max(values.shape) > side:
             raise ValueError(f"heights: shape {values.shape} is not (R, C) of 2 to {side} each")
         _arrays.require_real(values, "heights")
-        _arrays.require_no_fill_values(values, "heights")
         if (x is None) != (y is None) or (x is None) == (cell is None):
             raise ValueError("give either x= and y=, the centres of the cells, or cell=, their size")
         if not radius > 0 or refraction is not None and not refraction < 1:
@@ -264,10 +266,14 @@ class ViewshedGrid:
             raise ValueError("cell: must be above 0")
         columns = _axis_of(x, values.shape[1], "x", float(width))
         rows = _axis_of(y, values.shape[0], "y", -float(depth))
+        is_there = np.isfinite(values)
+        if nodata is not None:
+            is_there &= values != nodata
+        _arrays.require_heights(values, is_there, "nodata={}")
         if values.dtype.kind != "f":
             values = values.astype(np.float64)
-        if nodata is not None:
-            values = np.where(values == nodata, np.nan, values)
+        if not is_there.all():
+            values = np.where(is_there, values, np.nan)
         per_square = 0.0 if refraction is None else per_square_of(refraction, radius)
         self._ground = _Ground(_turned(values, rows, columns), rows, columns, per_square, lattice)
         self._device = device_of(device)
@@ -279,6 +285,10 @@ class ViewshedGrid:
             "step": math.ldexp(1.0, self._ground.exponent),
             "heights_moved_by": self._ground.largest_move,
         }
+
+    def __reduce__(self) -> Any:
+        raise TypeError("a gnomon.ViewshedGrid lies on its device and cannot be copied or pickled: make it from its "
+                        "heights in the other process")  # fmt: skip
 
     def _uploaded(self, steps: NDArray[np.int32]) -> Any:
         make = _gnomon.HeightGrid
@@ -329,7 +339,9 @@ class ViewshedGrid:
         """(R, C): the height above the ground from which each cell is seen by one observer, from target_height on: the
         least whole number of steps at which the cell is seen, by exact decisions. NaN where there is no data or beyond
         the distance; infinite above 2^31 steps."""
-        places = _observers_of(np.reshape(np.asarray(observer, np.float64), (1, 2)))
+        places = _observers_of(observer)
+        if len(places) != 1:
+            raise ValueError(f"observer: shape {places.shape} is not (2,): least heights are those of one observer")
         ground = self._ground
         eyes, _ = ground.eyes(places, height, target_height)
         spans = ground.spans(places, distance)
@@ -344,7 +356,9 @@ def _observers_of(observers: Any) -> NDArray[np.float64]:
     places = np.asarray(_arrays.on_host(observers, "observers"))
     if places.ndim == 1:
         places = places[None]
-    if places.ndim != 2 or places.shape[1] != 2 or not len(places):
+    if not places.size:
+        raise ValueError("observers: there is none")
+    if places.ndim != 2 or places.shape[1] != 2:
         raise ValueError(f"observers: shape {places.shape} is not (M, 2), x and y of each observer")
     _arrays.require_real(places, "observers")
     row = _arrays.first_row(~np.isfinite(places).all(axis=1))

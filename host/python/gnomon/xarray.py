@@ -116,10 +116,10 @@ class GnomonAccessor:
         no_data = _arrays.declared_no_data(dem)
 
         def run(values: Any) -> NDArray[np.float32]:
-            heights = np.ma.filled(np.ma.asarray(values).astype(np.float64), np.nan)
-            for value in no_data:
-                heights[heights == value] = np.nan
-            return layers(heights)
+            given = np.ma.asarray(values)
+            is_there = np.isfinite(given.data) & ~np.ma.getmaskarray(given) & ~np.isin(given.data, no_data)
+            _arrays.require_heights(given.data, is_there, "dem.attrs['_FillValue'] = {}")
+            return layers(np.where(is_there, given.data, np.nan))
 
         if dem.chunks is None:
             found = run(dem.data)
@@ -156,10 +156,15 @@ def _require_metres(dem: xarray.DataArray, crs: Any = None) -> None:
     if known is None:
         return
     try:
+        import pyproj.exceptions
+
         from .studies.units import require_metres
     except ModuleNotFoundError as error:
         raise ImportError(NEEDS.format(error.name)) from None
-    require_metres("heights", known)
+    try:
+        require_metres("heights", known)
+    except pyproj.exceptions.CRSError as error:
+        raise ValueError(f"crs: {error}") from None
 
 
 def _sun_hours(

@@ -69,7 +69,7 @@ def test_heights_from_which_cells_are_seen(raster, tmp_path):
     [
         (["1,2"], r"observers: row 0 \[1.0, 2.0\] does not stand on the raster"),
         (["nobody.csv"], "neither x,y, such as 691000,5334000, nor a file"),
-        (["512400,5002010", "--height", "-1"], "height: must be above 0"),
+        (["512400,5002010", "--height", "-1"], "height: must be at least a step"),
         (["512400,5002010", "--what", "heights", "--outside", "3"], "outside: is not for heights"),
         (["512400,5002010", "--device", "no such"], "no such"),
     ],

@@ -116,3 +116,9 @@ def test_wrong_arrays_are_named():
         dem_of(crs="EPSG:4326").gnomon.viewshed(PLACE)
     with pytest.raises(ValueError, match="crs: the heights have no CRS"):
         dem_of().drop_vars("spatial_ref").gnomon.sun_hours(**DAY)
+    with pytest.raises(ValueError, match="crs: .*EPSG:99999"):
+        dem_of().gnomon.sun_hours(crs="EPSG:99999", **DAY)
+    undeclared = dem_of(np.where(np.isnan(city(40)), -9999, city(40)))
+    for ask in (lambda: undeclared.gnomon.viewshed(PLACE), lambda: undeclared.gnomon.sun_hours(**DAY)):
+        with pytest.raises(ValueError, match=r"is -9999, .*: say dem.attrs\['_FillValue'\] = -9999.0"):
+            ask()

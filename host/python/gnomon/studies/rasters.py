@@ -14,6 +14,7 @@ import rasterio
 from numpy.typing import NDArray
 from rasterio.windows import Window
 
+from .. import _arrays
 from .settings import Settings
 from .units import horizontal, metres_of, metres_of_height, require_metres
 
@@ -105,32 +106,15 @@ def _read(name: str, row: int, column: int, rows: int, columns: int) -> NDArray[
     return heights
 
 
-#: Heights that stand for no data wherever they occur.
-NO_HEIGHTS = (-9999.0, -99999.0, -999999.0, -32768.0, -32767.0, 1e20, -1e20)
-
-
 def _require_declared(masked: Any, name: str, row: int, column: int) -> None:
-    """Values as they lie in the file, without its scale. The extremes of a type of 16 bits or more are no heights, nor
-    is anything of 1e30 or more."""
-    values, dtype = np.ma.getdata(masked), masked.dtype
-    is_there = ~np.ma.getmaskarray(masked) & np.isfinite(values)
-    if not is_there.any():
-        return
-    low, high = values[is_there].min(), values[is_there].max()
-    if low > -9999 and high < 32767:
-        return
-    if dtype.kind in "iu":
-        limits = np.iinfo(dtype)
-        extremes = [n for n in (limits.min, limits.max) if n != 0 and dtype.itemsize > 1]
-        is_wrong = np.isin(values, np.array([*extremes, *(n for n in NO_HEIGHTS if limits.min <= n <= limits.max)]))
-    else:
-        is_wrong = (np.abs(values) >= 1e30) | np.isin(values, np.array(NO_HEIGHTS, dtype))
-    found = np.argwhere(is_wrong & is_there)
-    if len(found):
-        value = values[tuple(found[0])].item()
+    """Values as they lie in the file, without its scale."""
+    values = np.ma.getdata(masked)
+    found = _arrays.first_no_height(values, ~np.ma.getmaskarray(masked))
+    if found is not None:
+        value = values[found].item()
         _opened.cache_clear()  # the next read sees what is declared then
         raise UndeclaredNoDataError(
-            f"{name}: the cell in row {row + found[0][0]}, column {column + found[0][1]} is {value:.9g}, which is no "
+            f"{name}: the cell in row {row + found[0]}, column {column + found[1]} is {value:.9g}, which is no "
             f"height, and the file does not declare that it stands for no data: rio edit-info --nodata {value!r} {name}"
         )
 
