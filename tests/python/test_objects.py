@@ -260,7 +260,7 @@ OTHER_FILES = {
     "a file at its end": (lambda: seek_to_end(io.BytesIO(b"glTF")), ValueError, r"read to its end \(seek\(0\)\)"),
     "a closed file": (lambda: closed(open(LEAVES, "rb")), ValueError, "leaves.glb cannot be read: read of closed file"),
     "a file for writing": (lambda: open(os.devnull, "wb"), ValueError, "^path: /dev/null cannot be read"),
-    "a zip file": (lambda: zipfile.ZipFile(io.BytesIO(b"PK\5\6" + bytes(18))), TypeError, "ZipFile gives no bytes.*: open a member"),
+    "a zip file": (lambda: zipfile.ZipFile(io.BytesIO(b"PK\5\6" + bytes(18))), TypeError, "ZipFile .*: open a member"),
     "a class": (lambda: io.BytesIO, TypeError, "^path: "),
     "no glTF": (lambda: io.BytesIO(b"no glTF at all"), ValueError, "^<BytesIO>: "),
     "half a file": (lambda: io.BytesIO(LEAVES.read_bytes()[:5000]), ValueError, "^<BytesIO>: "),

@@ -25,8 +25,8 @@ RUN = {
     ("docs/viewshed.md", "python"): (3, "python/study/test_viewshed_command.py"),
     ("docs/viewshed.md", "sh"): (1, "python/study/test_viewshed_command.py"),
 }
-#: What runs elsewhere: the place, and a word of it. (README's lines of build/gnomon name a reader's scene: tests/command
-#: tries their options.)
+#: What runs elsewhere: the place, and a word of it. (README's lines of build/gnomon name a reader's scene:
+#: tests/command tries their options.)
 ELSEWHERE = {
     ("README.md", "sh"): (3, ".ci/run", "test.sh"),
     ("CONTRIBUTING.md", "sh"): (3, ".ci/run", "test.sh"),
