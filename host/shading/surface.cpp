@@ -60,6 +60,7 @@ SurfaceParams params_of(const Triangles& triangles, const View& view, const Surf
     const Camera& camera = view.points.camera()->camera;
     SurfaceParams params{};
     params.triangles = triangle_inputs(triangles);
+    params.layout = point_inputs(view.points).layout;
     params.width = view.width;
     params.height = view.height;
     params.has_colors = arrays.has_colors;
@@ -85,7 +86,7 @@ void make_surfaces(const Device& device, const Triangles& triangles, const View&
     const std::size_t pixels = view.points.count();
     into.albedos.reserve(session, pixels * sizeof(Float3));
     into.spreads.reserve(session, arrays.has_normals ? pixels * sizeof(float) : 0);
-    session.launch("shading/surface.cl", "surfaces", cl::Range::shares(pixels), params_of(triangles, view, arrays),
+    session.launch("shading/surface.cl", "surfaces", session.block_shares(pixels), params_of(triangles, view, arrays),
                    triangle_inputs(triangles).vertices, view.points.receivers(), slots, arrays.material,
                    arrays.coordinates, arrays.colors, arrays.normals, arrays.materials,
                    arrays.textures.on_device->texels, arrays.linear_of_srgb, into.albedos, into.normals, into.spreads);

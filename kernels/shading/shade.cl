@@ -18,16 +18,6 @@
 
 // ---- Light of a point light or a direction --------------------------------------------------------------------------
 
-static PointsLayout strided_layout(PointsLayout of, uint point_stride, uint coordinate_stride) {
-    of.first = 0u;
-    of.point_stride = point_stride;
-    of.coordinate_stride = coordinate_stride;
-    return of;
-}
-// Three floats for each point, one after the other; or x of all points, then y, then z.
-static PointsLayout packed_layout(PointsLayout of) { return strided_layout(of, 3u, 1u); }
-static PointsLayout planes_layout(PointsLayout of) { return strided_layout(of, 1u, of.count); }
-
 static LaneFloat block_dot(PointBlock a, PointBlock b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
 // Unit vectors, up to the last bits (pictures only, never a decision); 0 of a zero.

@@ -21,3 +21,18 @@ GN_STRUCT_BEGIN(PictureParams)
     float exposure;       // the factor of all light
     uint is_first;        // shade_add: 1: nothing is read from the sums
 GN_STRUCT_END(PictureParams, 64)
+
+#ifndef __cplusplus
+
+// The layouts of other values of the same pixels.
+static PointsLayout strided_layout(PointsLayout of, uint point_stride, uint coordinate_stride) {
+    of.first = 0u;
+    of.point_stride = point_stride;
+    of.coordinate_stride = coordinate_stride;
+    return of;
+}
+// Three floats for each pixel, one after the other; or x of all pixels, then y, then z.
+static PointsLayout packed_layout(PointsLayout of) { return strided_layout(of, 3u, 1u); }
+static PointsLayout planes_layout(PointsLayout of) { return strided_layout(of, 1u, of.count); }
+
+#endif

@@ -31,6 +31,7 @@
 
 GN_STRUCT_BEGIN(SurfaceParams)
     TrianglesLayout triangles;
+    PointsLayout layout;  // of the pixels
     float eye[3];
     float corner[3];  // from the eye to the centre of pixel (0, 0)
     float across[3];  // from a pixel to the next in its row
@@ -40,7 +41,7 @@ GN_STRUCT_BEGIN(SurfaceParams)
     uint has_normals;   // 0: shading normals are not written
     float pixel_share;  // the side of the square, in pixels, that textures are filtered over
     uint padding;
-GN_STRUCT_END(SurfaceParams, 88)
+GN_STRUCT_END(SurfaceParams, 136)
 
 GN_STRUCT_BEGIN(SurfaceMaterial)
     float base_color[3];
