@@ -15,6 +15,7 @@
 #include "suns.hpp"
 #include "terminal.hpp"
 #include "values.hpp"
+#include "weather_file.hpp"
 
 namespace gnomon::app {
 namespace {
@@ -36,8 +37,9 @@ OwnPoints read_points(const std::filesystem::path& file) {
 }
 
 SunTable suns_of(const HoursOptions& options) {
-    SunTable table = options.directions ? read_suns(*options.directions, options.north_degrees)
-                                        : suns_of_place(*options.place, options.north_degrees);
+    if (options.place) return suns_of_place(*options.place, options.north_degrees);
+    if (options.weather) return suns_of_weather(read_weather(*options.weather), options.north_degrees);
+    SunTable table = read_suns(*options.directions, options.north_degrees);
     if (table.suns.empty() && table.below_horizon == 0) throw Error(options.directions->string() + " has no suns");
     return table;
 }
@@ -96,9 +98,13 @@ std::string summary(const HoursOptions& options, const SunTable& table, const Co
     std::string text =
         fmt::format("{} suns, {:.6g} {}", grouped(table.suns.size()), table.sum_of_weights(), options.unit);
     if (table.below_horizon != 0) text += "; " + grouped(table.below_horizon) + " below the horizon left out";
-    if (options.place)
-        text += std::string("; positions by ERFA, elevations ") +
-                (options.place->is_apparent ? "with refraction (Saemundsson, 1010 hPa, 10 C)" : "without refraction");
+    if (table.left_out != 0 && options.weather)
+        text += fmt::format(" ({:.3g} {})", table.left_out / table.weights_per_unit(), options.unit);
+    if (!options.directions)
+        text += std::string("; positions by ERFA, elevations ") + (options.place && options.place->is_apparent
+                                                                       ? "with refraction (Saemundsson, 1010 hPa, 10 C)"
+                                                                       : "without refraction");
+    if (options.weather) text += "\n" + table.facts + "; a sun in the middle of each hour; direct irradiation alone";
     return text + fmt::format("\n{} points: on average {:.6g} {}, at most {:.6g}; {:.0f} ms\n", grouped(count),
                               count != 0 ? sum / double(count) : 0, options.unit, largest_of(computed.values),
                               computed.statistics.total_wall_ms);
@@ -107,7 +113,7 @@ std::string summary(const HoursOptions& options, const SunTable& table, const Co
 /// The outputs of a run. All are opened before the long work.
 struct Outputs {
     explicit Outputs(const HoursOptions& options) {
-        for (const auto* input : {&options.scene, &options.directions, &options.points})
+        for (const auto* input : {&options.scene, &options.directions, &options.weather, &options.points})
             if (*input) files.protect(**input);
         if (options.aov) require_openimageio();
         const auto open = [&](const auto& path) { return path ? &files.open(*path) : nullptr; };
@@ -124,7 +130,8 @@ Computed hours_of_points(const HoursOptions& options, const Device& device, Tech
     const OwnPoints own = read_points(*options.points);
     const Points points = Points::upload(device, own.positions), normals = Points::upload(device, own.normals);
     if (options.cosines && own.normals.empty())
-        throw Error(options.points->string() + ": --cosines needs the columns nx, ny, nz");
+        throw Error(options.points->string() + (options.weather ? ": --epw" : ": --cosines") +
+                    " needs the columns nx, ny, nz");
     const cl_mem sides = own.normals.empty() ? nullptr : normals.positions();
     Computed computed = compute(options, technique, triangles, points, table, sides);
     if (lower_extension(*options.result) == ".npy")

@@ -14,8 +14,6 @@
 namespace gnomon::app {
 namespace {
 
-constexpr int first_year = 1900, last_year = 2100;  // of the sun's positions
-
 const char* const main_description =
     "gnomon: exact hard shadows as OpenCL kernels.\n"
     "Every pixel's shadow is decided in exact arithmetic: the same bits on every device.";
@@ -434,9 +432,13 @@ std::optional<Days> day_of(const std::string& text) {
 }
 
 void add_sun_options(CLI::App& app, HoursOptions& options, SunsOfPlace& place) {
-    const Group add{app, "Suns (a table, or a place with a day or a year)"};
+    const Group add{app, "Suns (a table, a weather file, or a place with a day or a year)"};
     add("--directions", "FILE.csv", "A table with the columns x,y,z or azimuth,elevation, and weight (default 1)",
         file_name(".csv"), into(options.directions));
+    add("--epw", "FILE",
+        "A weather file (EPW, or a TMY3 table): direct irradiation, kWh/m2, by its direct normal irradiance, place,\n"
+        "years and time zone, a sun in the middle of each hour; with --cosines. Diffuse: gnomon.weather in Python",
+        file_name(), into(options.weather));
     add("--place", "LAT,LON", "Where the scene is, in degrees, north and east positive", latitude_longitude(),
         [&](const auto& degrees) {
             place.latitude_degrees = degrees[0];
@@ -460,9 +462,10 @@ void add_sun_options(CLI::App& app, HoursOptions& options, SunsOfPlace& place) {
         double_number(), into(options.north_degrees));
     add("--write-directions", "FILE.csv",
         "Writes the table that was used, which --directions takes back with the same bits\n"
-        "(default with --place: the output's name with .suns.csv)",
+        "(default with --place and --epw: the output's name with .suns.csv)",
         file_name(".csv"), into(options.written_directions));
-    exclude(app, "--directions", {"--place"});
+    exclude(app, "--directions", {"--place", "--epw"});
+    exclude(app, "--epw", {"--place", "--unit"});
     for (const char* const option : {"--day", "--year", "--step", "--utc", "--apparent"})
         require(app, {{option, "--place"}});
 }
@@ -493,14 +496,22 @@ CLI::App* add_hours(CLI::App& app, HoursOptions& options, SunsOfPlace& place) {
 
 /// Checks the options of a place, and completes them.
 void complete_place(HoursOptions& options, const SunsOfPlace& place, bool has_offset) {
-    if (!options.directions && !options.place)
-        throw UsageError("no suns: give --directions FILE.csv, or --place LAT,LON with --day or --year");
-    if (!options.place) return;
     if (place.days.year == 0) throw UsageError("--place needs --day YYYY-MM-DD or --year YYYY as well");
     options.place = place;
     if (place.step_minutes == 0) options.place->step_minutes = place.days.month != 0 ? 10 : 60;
     if (!has_offset) options.place->utc_offset_hours = std::round(place.longitude_degrees / 15);
-    if (options.written_directions) return;
+}
+
+/// Checks where the suns are from, and completes it.
+void complete_suns(HoursOptions& options, const SunsOfPlace& place, bool has_offset) {
+    if (!options.directions && !options.weather && !options.place)
+        throw UsageError("no suns: give --directions FILE.csv, --epw FILE, or --place LAT,LON with --day or --year");
+    if (options.place) complete_place(options, place, has_offset);
+    if (options.weather) {
+        options.cosines = true;
+        options.unit = "kWh/m2";
+    }
+    if (options.directions || options.written_directions) return;
     options.written_directions = options.result ? *options.result : *options.aov;
     options.written_directions->replace_extension(".suns.csv");
 }
@@ -625,7 +636,7 @@ HoursOptions hours_options_of(const std::vector<std::string>& arguments) {
     SunsOfPlace place;
     parse_one(arguments, [&](CLI::App& parser) { return add_hours(parser, options, place); });
     check_hours(options);
-    complete_place(options, place, false);
+    complete_suns(options, place, false);
     return options;
 }
 
@@ -658,7 +669,7 @@ Command parse_command_line(const std::vector<std::string>& arguments) {
     if (*render) return checked(app::render, render_options, check_samples, check_outputs);
     if (*hours) {
         check_hours(hours_options);
-        complete_place(hours_options, place, hours->count("--utc") != 0);
+        complete_suns(hours_options, place, hours->count("--utc") != 0);
         return checked(app::hours, hours_options);
     }
     if (*explain) return checked(app::explain, explain_options, check_explained);

@@ -105,7 +105,7 @@ struct HoursOptions : ViewOptions {
     std::optional<std::filesystem::path> written_directions;  ///< the table that the run used
 
     // Exactly one of the following.
-    std::optional<std::filesystem::path> directions;
+    std::optional<std::filesystem::path> directions, weather;
     std::optional<SunsOfPlace> place;
 
     double north_degrees = 0;    ///< clockwise from -z, seen from above

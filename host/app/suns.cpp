@@ -28,14 +28,6 @@ using scene::NumberTable;
 constexpr double radians = std::numbers::pi / 180;
 constexpr std::uint32_t minutes_per_day = 1440;
 
-/// Days since 2000-01-01T00:00 on the clock of the days.
-double first_day(const Days& days) {
-    using namespace std::chrono;
-    const sys_days first =
-        year(days.year) / month(unsigned(std::max(days.month, 1))) / day(unsigned(std::max(days.day, 1)));
-    return double((first - sys_days(year(2000) / January / 1)).count());
-}
-
 std::string time_text(double days_since_2000, double utc_offset_hours) {
     using namespace std::chrono;
     // To the nearest second, so that 11:30 is not 11:29:59.
@@ -62,6 +54,13 @@ Float3 direction_in(const NumberTable& table, std::size_t row) {
 
 }  // namespace
 
+double first_day(const Days& days) {
+    using namespace std::chrono;
+    const sys_days first =
+        year(days.year) / month(unsigned(std::max(days.month, 1))) / day(unsigned(std::max(days.day, 1)));
+    return double((first - sys_days(year(2000) / January / 1)).count());
+}
+
 Lights SunTable::lights() const {
     std::vector<Light> lights;
     std::vector<float> weights;
@@ -76,7 +75,7 @@ double SunTable::sum_of_weights() const {
     if (step_minutes != 0) return double(suns.size()) * step_minutes / weights_per_unit();
     double sum = 0;
     for (const Sun& sun : suns) sum += double(sun.weight);
-    return sum;
+    return sum / weights_per_unit();
 }
 
 #ifdef GNOMON_HAS_ERFA
@@ -105,7 +104,7 @@ SunPosition sun_position(double latitude_degrees, double longitude_degrees, doub
 SunPosition sun_position(double, double, double) {
     throw Error(
         "this gnomon was built without ERFA (Debian: liberfa-dev), which knows the sun's positions: give "
-        "--directions FILE.csv in place of --place");
+        "--directions FILE.csv in place of --place or --epw");
 }
 #endif
 
@@ -119,25 +118,30 @@ Float3 travel_direction(double azimuth_degrees, double elevation_degrees, double
     return {float(-level * std::sin(turned)), float(-std::sin(elevation)), float(level * std::cos(turned))};
 }
 
-SunTable suns_of_place(const SunsOfPlace& place, double north_degrees) {
+void add_sun(SunTable& table, const SunsOfPlace& place, double moment, float weight, double north_degrees) {
     constexpr double julian_day_2000 = 2451544.5;
-    const double first = first_day(place.days), utc_offset_days = place.utc_offset_hours / 24;
+    const double utc_offset_days = place.utc_offset_hours / 24;
+    SunPosition sun =
+        sun_position(place.latitude_degrees, place.longitude_degrees, moment - utc_offset_days + julian_day_2000);
+    if (place.is_apparent) sun.elevation_degrees += refraction_degrees(sun.elevation_degrees);
+    if (!(sun.elevation_degrees > 0)) {
+        ++table.below_horizon;
+        table.left_out += double(weight);
+        return;
+    }
+    table.suns.push_back({time_text(moment, place.utc_offset_hours), sun.azimuth_degrees, sun.elevation_degrees,
+                          travel_direction(sun.azimuth_degrees, sun.elevation_degrees, north_degrees), weight});
+}
+
+SunTable suns_of_place(const SunsOfPlace& place, double north_degrees) {
+    const double first = first_day(place.days);
     const double end = place.days.month == 0 ? first_day({place.days.year + 1, 1, 1}) : first + 1;
     const auto steps = std::size_t(std::llround((end - first) * minutes_per_day / place.step_minutes));
     SunTable table;
     table.step_minutes = place.step_minutes;
     for (std::size_t step = 0; step < steps; ++step) {
-        const double at = first + (double(step) + 0.5) * place.step_minutes / minutes_per_day;
-        SunPosition sun =
-            sun_position(place.latitude_degrees, place.longitude_degrees, at - utc_offset_days + julian_day_2000);
-        if (place.is_apparent) sun.elevation_degrees += refraction_degrees(sun.elevation_degrees);
-        if (!(sun.elevation_degrees > 0)) {
-            ++table.below_horizon;
-            continue;
-        }
-        table.suns.push_back({time_text(at, place.utc_offset_hours), sun.azimuth_degrees, sun.elevation_degrees,
-                              travel_direction(sun.azimuth_degrees, sun.elevation_degrees, north_degrees),
-                              float(place.step_minutes) / 60});
+        const double moment = first + (double(step) + 0.5) * place.step_minutes / minutes_per_day;
+        add_sun(table, place, moment, float(place.step_minutes) / 60, north_degrees);
     }
     return table;
 }

@@ -2,6 +2,7 @@
 // Tables of suns: directional lights with a weight each, from a CSV file or from the sun's way over a place.
 #pragma once
 
+#include <compare>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -22,12 +23,15 @@ struct Sun {
 struct SunTable {
     std::vector<Sun> suns;
     std::size_t below_horizon = 0;   ///< rows or times that were left out
+    double left_out = 0;             ///< sum of weights of those
     std::uint32_t step_minutes = 0;  ///< of suns_of_place(): each sun's exact weight; 0: their own weights count
+    bool is_irradiation = false;     ///< of suns_of_weather(): weights are Wh/m2, sums kWh/m2
+    std::string facts{};             ///< what the weather file says of itself, for people
 
     /// Their weights are in units of 1 / weights_per_unit(), so that sums of steps are exact: 144 x 10 minutes are 24
     /// h.
     Lights lights() const;
-    double weights_per_unit() const { return step_minutes != 0 ? 60 : 1; }
+    double weights_per_unit() const { return step_minutes != 0 ? 60 : is_irradiation ? 1000 : 1; }
     /// Of all suns.
     double sum_of_weights() const;
 };
@@ -46,7 +50,11 @@ double refraction_degrees(double true_elevation_degrees);
 /// A calendar day, or a whole year where month and day are 0.
 struct Days {
     int year = 0, month = 0, day = 0;
+    auto operator<=>(const Days&) const = default;
 };
+constexpr int first_year = 1900, last_year = 2100;  ///< of the sun's positions
+/// Days since 2000-01-01T00:00 at the first moment of the days, on their clock.
+double first_day(const Days& days);
 
 struct SunsOfPlace {
     double latitude_degrees = 0, longitude_degrees = 0;
@@ -59,6 +67,9 @@ struct SunsOfPlace {
 /// The direction in which the light of a sun travels in a scene whose y points up. `north_degrees`: the direction of
 /// north, clockwise as seen from above, from -z.
 Float3 travel_direction(double azimuth_degrees, double elevation_degrees, double north_degrees);
+
+/// Adds the sun at a moment, in days since 2000-01-01T00:00 on the place's clock, if its centre is above the horizon.
+void add_sun(SunTable& table, const SunsOfPlace& place, double moment, float weight, double north_degrees);
 
 /// One sun in the middle of each step; its weight is the step in hours. Suns whose centre is not above the horizon are
 /// left out.

@@ -23,6 +23,7 @@
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -771,6 +772,11 @@ TEST_F(Command, HoursRefusesWhatHasNoMeaning) {
         {{"-o", "a.png", "--place", "1,2", "--day", "2026-02-3x"}, 2, "needs a day as 2026-06-21"},
         {{"-o", "a.png", "--place", "1,2", "--year", "2026", "--step", "7"}, 2, "minutes that divide a day"},
         {{"-o", "a.png", "--directions", "suns.csv", "--step", "10"}, 2, "--step requires --place"},
+        {{"-o", "a.png", "--epw", "a.epw", "--place", "1,2", "--day", "2026-01-01"}, 2, "excludes --place"},
+        {{"-o", "a.png", "--epw", "a.epw", "--directions", "suns.csv"}, 2, "excludes --epw"},
+        {{"-o", "a.png", "--epw", "a.epw", "--unit", "Wh"}, 2, "--unit excludes --epw"},
+        {{"-o", "a.png", "--epw", "missing.epw"}, 1, "cannot read missing.epw"},
+        {{"-o", "a.png", "--epw", "suns.csv"}, 1, "suns.csv (read as a TMY3 table): must have 7 columns"},
         {{"--directions", "suns.csv"}, 2, "nothing to write"},
         {{"-o", "a.csv", "--directions", "suns.csv"}, 2, "ends with .png"},
         {{"-o", "a.png", "--directions", "suns.csv", "--points", "points.csv"}, 2, "ends with .csv or .npy"},
@@ -811,6 +817,61 @@ TEST_F(Command, HoursOfPolarDaysAndNights) {
                   .exit_code,
               0)
         << "a picture of a polar night";
+}
+
+// One hour of 700 W/m2: the squares of what the six sides of a cube get are the square of .7 kWh/m2, wherever the Sun
+// stands; below the square, with the Sun in the zenith, a point gets nothing.
+TEST_F(Command, HoursOfAWeatherFile) {
+    write_scene(folder_, "square", floor_and_square());
+    const auto write_epw = [&](const std::string& place, int month) {
+        std::ofstream file(in_folder("a.epw"));
+        file << "LOCATION,Made,-,-,-,1," << place << ",0\n\n\n\n\n\n\n\n";
+        for (int hour = 1; hour <= 24; ++hour)
+            file << "2026," << month << ",21," << hour << ",0,?,9,9,9,9,0,0,0,0," << (hour == 13 ? 700 : 0) << ",0"
+                 << ",0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0\n";
+    };
+    const auto values = [&](const Arguments& suns) {
+        Arguments all{"hours", "square.gltf", "--points", "points.csv", "-o", "out.csv"};
+        all.insert(all.end(), suns.begin(), suns.end());
+        const Outcome outcome = run(all);
+        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+        std::istringstream text(text_of(in_folder("out.csv")));
+        std::vector<double> found;
+        std::string line;
+        std::getline(text, line);
+        while (std::getline(text, line)) found.push_back(std::stod(line.substr(line.rfind(',') + 1)));
+        return std::pair(found, outcome.out);
+    };
+    std::ofstream(in_folder("points.csv")) << "x,y,z,nx,ny,nz\n9,9,9,1,0,0\n9,9,9,-1,0,0\n9,9,9,0,1,0\n9,9,9,0,-1,0\n"
+                                              "9,9,9,0,0,1\n9,9,9,0,0,-1\n0,0,0,0,1,0\n3,0,0,0,1,0\n";
+    write_epw("48.2,16.4,1", 6);
+    const Outcome asked = run({"hours", "--place", "1,2", "--day", "2026-01-01", "-o", "a.png", "--size", "8x8"});
+    if (asked.err.find("built without ERFA") != std::string::npos) GTEST_SKIP() << "no ERFA";
+    const auto [found, said] = values({"--epw", "a.epw"});
+    ASSERT_EQ(found.size(), 8u);
+    double squares = 0;
+    for (std::size_t i = 0; i < 6; ++i) squares += found[i] * found[i];
+    EXPECT_NEAR(std::sqrt(squares), 0.7, 1e-6);
+    EXPECT_NE(said.find("1 suns, 0.7 kWh/m2"), std::string::npos) << said;
+    EXPECT_NE(said.find("Made (48.2, 16.4), 2026, UTC+1; a sun in the middle of each hour"), std::string::npos) << said;
+    // The written table has Wh/m2.
+    const std::vector<double> again = values({"--directions", "out.suns.csv", "--cosines"}).first;
+    for (std::size_t i = 0; i < found.size(); ++i) EXPECT_NEAR(again[i], 1000 * found[i], 1e-9) << i;
+    EXPECT_NE(text_of(in_folder("out.suns.csv")).find("2026-06-21T12:30:00+01:00,"), std::string::npos);
+
+    write_epw("0,-7.5,0", 3);  // 12:30 on the clock is noon there, and the Sun of the equinox near the zenith
+    const std::vector<double> zenith = values({"--epw", "a.epw"}).first;
+    EXPECT_NEAR(zenith[7], 0.7, 0.001);
+    EXPECT_EQ(zenith[6], 0) << "below the square";
+    const Arguments picture{"hours", "square.gltf", "--epw", "a.epw", "--camera", "above",  "--size",
+                            "64x64", "-o",          "a.png", "--aov", "a.exr",    "--quiet"};
+    EXPECT_EQ(run(picture).exit_code, 0);
+    std::map<float, std::size_t> seen;
+    for (const Pixel& pixel : read_aov(in_folder("a.exr"), "value")) ++seen[pixel.visibility];
+    EXPECT_GT(seen[float(zenith[7])], 1000u);
+    std::ofstream(in_folder("points.csv")) << "x,y,z\n0,0,0\n";
+    expect_failure({"hours", "square.gltf", "--points", "points.csv", "--epw", "a.epw", "-o", "b.csv"}, 1,
+                   "points.csv: --epw needs the columns nx, ny, nz");
 }
 
 // What is seen badly is said, with what to try.

@@ -19,7 +19,7 @@ RUN = {
     ("docs/integrations.md", "python"): (3, SECTIONS),
     ("docs/many_lights.md", "cpp"): (1, SHOWN),
     ("docs/python.md", "python"): (10, SECTIONS),
-    ("docs/studies.md", "python"): (3, "python/study/test_outputs.py"),
+    ("docs/studies.md", "python"): (4, "python/study/test_outputs.py"),
     ("docs/studies.md", "toml"): (1, "python/study/test_outputs.py"),
     ("docs/studies.md", "sh"): (1, "python/study/test_outputs.py"),
     ("docs/viewshed.md", "python"): (3, "python/study/test_viewshed_command.py"),

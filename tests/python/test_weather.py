@@ -14,27 +14,10 @@ pvlib = pytest.importorskip("pvlib")
 pytest.importorskip("pyradiance")
 pandas = pytest.importorskip("pandas")
 from gnomon import weather  # noqa: E402
+from weather_made import write_epw  # noqa: E402
 
 TMY3 = Path(pvlib.__file__).parent / "data" / "723170TYA.CSV"  # Greensboro, North Carolina
 PLANES = [(0, 0), (35, 180), (90, 180), (90, 97), (60, 300), (20, 45), (110, 10)]  # tilt, azimuth
-
-
-def write_epw(path, latitude=48.2, longitude=16.4, zone=1.0, year=2019, days=365, change=lambda table: table):
-    """A made EPW file of clear sky. `change` takes the rows, 35 columns of text each."""
-    times = pandas.date_range(f"{year}-01-01 00:30", periods=24 * days, freq="h", tz=f"Etc/GMT{-int(zone):+d}")
-    clear = pvlib.location.Location(latitude, longitude).get_clearsky(times, model="haurwitz")["ghi"].to_numpy()
-    zenith = pvlib.solarposition.get_solarposition(times, latitude, longitude)["zenith"].to_numpy()
-    dhi = 0.25 * clear
-    dni = np.where(zenith < 87, (clear - dhi) / np.maximum(np.cos(np.radians(zenith)), 0.05), 0)
-    rows = []
-    for t, values in zip(times, np.stack([clear, dni, dhi], 1).round(1), strict=True):
-        rows.append([str(t.year), str(t.month), str(t.day), str(t.hour + 1), "0", "?9", *["9"] * 7,
-                     *map(str, values), *["0"] * 19])  # fmt: skip
-    head = [f"LOCATION,Made,-,AUT,made,110350,{latitude},{longitude},{zone},170.0", "DESIGN CONDITIONS,0",
-            "TYPICAL/EXTREME PERIODS,0", "GROUND TEMPERATURES,0", "HOLIDAYS/DAYLIGHT SAVINGS,No,0,0,0", "COMMENTS 1,",
-            "COMMENTS 2,", "DATA PERIODS,1,1,Data,Sunday,1/1,12/31"]  # fmt: skip
-    path.write_text("\n".join(head + [",".join(row) for row in change(rows)]) + "\n")
-    return path
 
 
 def patches_of_rows():
@@ -94,6 +77,28 @@ def test_a_leap_day_counts(tmp_path):
     horizontal = leap.on_plane((0, 0, 1))
     assert np.allclose(horizontal.diffuse, leap.dhi, rtol=1e-6, atol=1e-6)
     assert horizontal.diffuse[59 * 24 : 60 * 24].any()
+
+
+def test_a_zone_of_half_an_hour(tmp_path):
+    """At its longitude the Sun of 12:30 stands half an hour past noon, in pvlib and in gendaymtx."""
+    path = write_epw(tmp_path / "a.epw", zone=5, longitude=82.5, days=1)
+    path.write_text(path.read_text().replace(",5,170.0", ",5.5,170.0").replace(",5.0,170.0", ",5.5,170.0"))
+    made = weather.read(path)
+    assert str(made.times[12]) == "2019-01-01 12:30:00+05:30"
+    azimuth, elevation = made.suns()
+    assert 180 < azimuth[12] < 190
+    parts, patch = weather.tregenza()
+    brightest = parts[patch == made.radiance()[1:, 12].argmax()].sum(axis=0)
+    towards = weather.towards(azimuth[12], elevation[12])
+    assert brightest @ towards > np.cos(np.radians(10)) * np.linalg.norm(brightest)
+
+
+def test_names_with_accents(tmp_path):
+    path = write_epw(tmp_path / "a.epw", days=1)
+    text = path.read_text().replace("Made", "S\u00e3o Paulo")
+    for data in (text.encode("latin-1"), text.encode(), b"\xef\xbb\xbf" + text.replace("\n", "\r\n").encode()):
+        path.write_bytes(data)
+        assert weather.read(path).name == "S\u00e3o Paulo"
 
 
 def test_the_sky_is_brightest_at_the_sun(greensboro):
@@ -241,6 +246,8 @@ def changed(column, row, value):
         (changed(13, 30, "much"), "column ghi: could not convert"),
         (lambda rows: rows[:-1], "has 47 rows, which are not whole days"),
         (lambda rows: [*rows[:10], rows[9], *rows[11:]], r"the day of row 1 \(01 January\) has not hours 1 to 24"),
+        (lambda rows: [*rows, *rows[:24]], "has 01 January 2019 twice, again from row 49 on"),
+        (lambda rows: [*rows[:24], *([r[0], "2", "29", *r[3:]] for r in rows[24:])], "day is out of range for month"),
         (lambda rows: [], "has 0 rows"),
         (lambda rows: [row[:9] for row in rows], "cannot be read as an EPW file|column"),
     ],

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import io
 import math
 import os
 from collections.abc import Callable
@@ -153,12 +154,12 @@ def _read(file: Path, is_epw: bool) -> Weather:
 
     try:
         if is_epw:
-            table, place = pvlib.iotools.read_epw(file)
+            table, place = pvlib.iotools.read_epw(_text_of(file))
         else:
-            table, place = pvlib.iotools.read_tmy3(file, map_variables=True)
+            table, place = pvlib.iotools.read_tmy3(_text_of(file), map_variables=True)
     except Exception as error:  # pvlib lets pandas' errors through, of many kinds
         kind = "an EPW file" if is_epw else "a TMY3 table"
-        raise ValueError(f"{file}: cannot be read as {kind}: {error}") from None
+        raise ValueError(f"{file}: cannot be read as {kind}: {(str(error) or repr(error)).splitlines()[0]}") from None
     columns = [_power(file, table, name) for name in ("dni", "dhi", "ghi")]
     middles = _middles(table.index, is_epw)
     _require_hours(file, middles)
@@ -167,6 +168,15 @@ def _read(file: Path, is_epw: bool) -> Weather:
         raise ValueError(f"{file}: its place {latitude:g}, {longitude:g} is not on Earth")
     name = str(place["city" if is_epw else "Name"]).strip('" ')
     return Weather(name, latitude, longitude, elevation, middles, 1.0, *columns)
+
+
+def _text_of(file: Path) -> io.StringIO:
+    """The file's text: UTF-8, or Latin-1 as many EPW files of places with accents are."""
+    data = file.read_bytes()
+    try:
+        return io.StringIO(data.decode("utf-8-sig"))
+    except UnicodeDecodeError:
+        return io.StringIO(data.decode("latin-1"))
 
 
 def _middles(times: Any, are_beginnings: bool) -> Any:
@@ -207,6 +217,10 @@ def _require_hours(file: Path, middles: Any) -> None:
     if wrong.size:
         first = 24 * int(wrong[0])
         raise ValueError(f"{file}: the day of row {first + 1} ({middles[first]:%d %B}) has not hours 1 to 24")
+    found, first_rows = np.unique(days[:, 0], return_index=True)
+    if len(found) < len(days):
+        again = 24 * int(np.setdiff1d(np.arange(len(days)), first_rows)[0])
+        raise ValueError(f"{file}: has {middles[again]:%d %B %Y} twice, again from row {again + 1} on")
 
 
 def towards(azimuth: ArrayLike, elevation: ArrayLike) -> NDArray[np.float64]:

@@ -33,6 +33,9 @@ def _parser() -> argparse.ArgumentParser:
     run_parser.add_argument(
         "--workers", help="processes of this host, 'gpus', or the address of a dask scheduler; default: none"
     )
+    run_parser.add_argument(
+        "--epw", type=Path, metavar="FILE", help="a weather file, EPW or TMY3: irradiation in kWh/m2 (setting weather)"
+    )
     run_parser.add_argument("--device", help="P:D as gnomon devices lists it, or a part of its name")
     run_parser.add_argument("--tiles", help="i:j, these receiver tiles alone, for job arrays: no dask is needed")
     run_parser.add_argument(
@@ -58,7 +61,7 @@ def _parser() -> argparse.ArgumentParser:
         write_parser = commands.add_parser(name, help=text)
         write_parser.add_argument("folder", type=Path)
         write_parser.add_argument("output", type=Path, help="the file; for packed bits a folder")
-        write_parser.add_argument("--what", help="sun_hours, sum_of_weights, lit or suns")
+        write_parser.add_argument("--what", help="sun_hours, sum_of_weights, irradiation, direct, diffuse, lit or suns")
         write_parser.set_defaults(function=_write)
     _add_viewshed(commands)
     return parser
@@ -124,7 +127,7 @@ def _tiles(text: str | None) -> slice | None:
 
 
 def _run(options: argparse.Namespace) -> int:
-    settings, run_keys = read_toml(options.file)
+    settings, run_keys = read_toml(options.file, **({"weather": str(options.epw.absolute())} if options.epw else {}))
     unknown = sorted(set(run_keys) - {"folder", "workers", "device"})
     if unknown:
         raise ValueError(f"{options.file}: [run] has no key {', '.join(unknown)}: its keys are folder, workers, device")

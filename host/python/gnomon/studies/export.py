@@ -13,20 +13,23 @@ import rasterio
 import rasterio.shutil
 from numpy.typing import NDArray
 
+from .energy import ENERGIES
 from .plan import Plan
 from .receivers import RasterReceivers
 from .tables import suns_text
 
 NO_HOURS = -9999.0
 NO_BITS = -9999
-TITLES = {"sun_hours": "hours of sun", "sum_of_weights": "sum of weights"}
+TITLES = {"sun_hours": "hours of sun", "sum_of_weights": "sum of weights", "irradiation": "irradiation, kWh/m²",
+          "direct": "direct irradiation, kWh/m²", "diffuse": "diffuse irradiation, kWh/m²"}  # fmt: skip
 #: The arrays of the undecided parts of sums.
-UNDECIDED = {"sun_hours": "undecided_hours", "sum_of_weights": "undecided_weights"}
+UNDECIDED = {"sun_hours": "undecided_hours", "sum_of_weights": "undecided_weights",
+             **{name: f"undecided_{name}" for name in ENERGIES}}  # fmt: skip
 
 
 def export(plan: Plan, path: Path, what: str | None = None) -> list[Path]:
-    """Writes a result: `sun_hours`, `sum_of_weights` or `lit`; None: the first that the study has; or `suns`. Raises
-    ValueError.
+    """Writes a result: `sun_hours`, `sum_of_weights`, `irradiation`, `direct`, `diffuse` or `lit`; None: the first that
+    the study has; or `suns`. Raises ValueError.
 
     A raster's sums become a COG of two bands: the sum, nodata where a sun is undecided, and the undecided part. Its
     packed bits become, in the folder `path`, the Solar API's hourlyShade: 12 COGs of 24 bands of int32, bit d - 1 of
@@ -131,11 +134,20 @@ def _export_suns(plan: Plan, path: Path) -> Path:
             "larger zone="
         )
     is_up = np.isfinite(suns.towards[0, :, 0])
+    if len(suns.is_sky):
+        is_up &= ~suns.is_sky
     hours = suns.seconds / (3600.0 * suns.samples)
     weights = np.ldexp(suns.weights.astype(np.float64), suns.exponent) if suns.weights.any() else hours
     times = np.repeat(suns.times, suns.samples)[is_up].tolist() if suns.times else []
     path.write_text(suns_text(suns.towards[0, is_up], weights[is_up], times))
     return path
+
+
+def _period(plan: Plan) -> str:
+    """The time of a study's suns, for a title."""
+    if plan.settings.weather is not None:
+        return "by\n" + str(plan.suns.notes["weather"]).strip("'\"")
+    return f"{plan.settings.start} to {plan.settings.end}" if plan.settings.start else "table of directions"
 
 
 def picture(plan: Plan, path: Path, what: str | None = None, largest: int = 1200) -> Path:
@@ -170,8 +182,7 @@ def picture(plan: Plan, path: Path, what: str | None = None, largest: int = 1200
     axes.tick_params(axis="x", rotation=20)
     axes.set_xlabel("east, m")
     axes.set_ylabel("north, m")
-    period = f"{plan.settings.start} to {plan.settings.end}" if plan.settings.start else "table of directions"
-    axes.set_title(f"{TITLES[name]}, {period}", fontsize=10)
+    axes.set_title(f"{TITLES[name]}, {_period(plan)}", fontsize=10)
     figure.colorbar(drawn, ax=axes, label=TITLES[name])
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path)

@@ -16,6 +16,7 @@ import numpy as np
 
 from .casters import LARGEST_SPAN, Casters, Survey, largest_tile
 from .decide import Decider
+from .energy import ENERGIES
 from .rasters import open_mosaic
 from .receivers import Receivers, TileOfReceivers, receivers_of, write_points
 from .settings import Settings
@@ -93,7 +94,8 @@ class Plan:
     def results(self) -> list[str]:
         """Names of the arrays of results."""
         names = {"bits": ["lit", "undecided"], "hours": ["sun_hours", "undecided_hours"],
-                 "weights": ["sum_of_weights", "undecided_weights"]}  # fmt: skip
+                 "weights": ["sum_of_weights", "undecided_weights"],
+                 **{name: [name, f"undecided_{name}"] for name in ENERGIES}}  # fmt: skip
         return [name for output in self.settings.outputs for name in names[output]]
 
     @property
@@ -104,7 +106,7 @@ class Plan:
 def _stamps(settings: Settings) -> dict[str, list[int]]:
     """Size and time of the files that a study reads."""
     result = {}
-    for name in (*settings.raster, *settings.meshes):
+    for name in (*settings.raster, *settings.meshes, *([settings.weather] if settings.weather else [])):
         path = Path(name)
         if path.exists():
             stat = path.stat()
@@ -202,7 +204,7 @@ def _reach(settings: Settings, survey: Survey) -> float:
     if not len(heights):
         return diagonal
     lowest = settings.min_elevation if settings.start is not None else 6.0 / max(settings.sky, 1)
-    if settings.directions is not None:
+    if settings.directions is not None or settings.weather is not None:
         return diagonal
     reach = (heights.max() - lows.min()) / math.tan(math.radians(lowest))
     reach = min(float(reach) * 1.01 + 1, diagonal)

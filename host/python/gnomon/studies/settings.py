@@ -20,7 +20,7 @@ if sys.version_info >= (3, 11):
 else:
     import tomli as tomllib
 
-OUTPUTS = ("hours", "bits", "weights")
+OUTPUTS = ("hours", "bits", "weights", "irradiation", "direct", "diffuse")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -53,6 +53,8 @@ class Settings:
     zone: the side of sun zones. The suns of a zone's centre serve the whole zone.
     directions: a table of suns instead of times, a .csv or .npy file (docs/studies.md). The light travels along its
         x, y, z, downwards; z points up unless the column `up` says y.
+    weather: an EPW file, or a TMY3 table (.csv), instead of times: irradiation in kWh/m2 by the file's direct and
+        diffuse irradiance, with the cosines of the receivers' normals; place, years and time zone are the file's.
     weights: a .csv or .npy file of one number per sun of start..end, below the horizon too (W h/m2, say).
     sun_disk: 0: the sun is a point. N: N directions on a disk of .533 degrees for each sun.
     sky: 0, or N, 1 to 16: each of Tregenza's 145 patches of the sky is N x N suns, which weigh cos(zenith) x solid
@@ -71,7 +73,8 @@ class Settings:
     tile: cells on a side of a receiver tile; tile x tile points for lists of points. It changes no answer.
     caster_tile: cells on a side of a caster tile. It changes no decided answer.
     block: the approximate number of suns of a task. It changes no answer.
-    outputs: any of "hours" (hours of sun), "bits" (each answer) and "weights" (sums of weights).
+    outputs: any of "hours" (hours of sun), "bits" (each answer) and "weights" (sums of weights); of a weather file any
+        of "irradiation" (the Sun's and the sky's), "direct" and "diffuse".
     """
 
     raster: tuple[str, ...] = ()
@@ -93,6 +96,7 @@ class Settings:
     min_elevation: float = 3.0
     zone: float = 10_000.0
     directions: str | None = None
+    weather: str | None = None
     weights: str | None = None
     sun_disk: int = 0
     sky: int = 0
@@ -125,6 +129,8 @@ class Settings:
         """Names the study that these settings describe, without memory_limit, which changes no answer."""
         values = dataclasses.asdict(self)
         del values["memory_limit"]
+        if self.weather is None:
+            del values["weather"]  # older studies go on
         return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()
 
 
@@ -146,14 +152,14 @@ def _check_scene(s: Settings) -> None:
         from .units import metres_of
 
         _need(metres_of(s.height_unit) is not None, f"height_unit: {s.height_unit!r} is no unit of length")
-    names = [*s.raster, *s.meshes, *(f for f in (s.points, s.directions, s.weights) if f)]
+    names = [*s.raster, *s.meshes, *(f for f in (s.points, s.directions, s.weather, s.weights) if f)]
     for name in names:
         _need(Path(name).exists() or "://" in name, f"{name}: there is no such file")
 
 
 def _check_suns(s: Settings) -> None:
-    sources = [s.start is not None or s.end is not None, s.directions is not None, s.sky > 0]
-    _need(sum(sources) == 1, "suns: give start and end, or directions, or sky: one of them")
+    sources = [s.start is not None or s.end is not None, s.directions is not None, s.weather is not None, s.sky > 0]
+    _need(sum(sources) == 1, "suns: give start and end, or directions, or sky, or weather: one of them")
     _need((s.start is None) == (s.end is None), "start, end: one needs the other")
     _need(s.step > 0 and abs(s.step * 60 - round(s.step * 60)) < 1e-9, f"step: {s.step} is not whole seconds")
     _need(s.elevation in ("true", "apparent"), f"elevation: {s.elevation!r} is neither 'true' nor 'apparent'")
@@ -170,6 +176,11 @@ def _check_suns(s: Settings) -> None:
     _need(not s.sky or tuple(s.outputs) == ("weights",), 'outputs: a sky gives outputs=["weights"], its view factor')
     has_weights = s.weights is not None or s.directions is not None or s.sky > 0
     _need("weights" not in s.outputs or has_weights, 'outputs: "weights" needs weights=, directions= or sky=')
+    are_energies = [output in ("irradiation", "direct", "diffuse") for output in s.outputs]
+    _need(
+        all(are_energies) if s.weather else not any(are_energies),
+        'outputs: weather= gives "irradiation", "direct" and "diffuse", and these need weather=',
+    )
     _need("hours" not in s.outputs or s.start is not None, 'outputs: "hours" needs start= and end=')
 
 
@@ -240,7 +251,7 @@ def settings_of(values: dict[str, Any], folder: Path | None = None) -> Settings:
     for key in ("raster", "meshes"):
         if key in fields:
             fields[key] = files_of(fields[key], base, key)
-    for key in ("points", "directions", "weights"):
+    for key in ("points", "directions", "weather", "weights"):
         if key in fields:
             files = files_of(fields[key], base, key)
             _need(len(files) == 1, f"{key}: must be one file, not {len(files)}")
@@ -253,6 +264,8 @@ def settings_of(values: dict[str, Any], folder: Path | None = None) -> Settings:
         fields["outputs"] = tuple(o for o in OUTPUTS if o in outputs) + tuple(o for o in outputs if o not in OUTPUTS)
     elif fields.get("sky"):
         fields["outputs"] = ("weights",)
+    elif "weather" in fields:
+        fields["outputs"] = ("irradiation", "direct", "diffuse")
     elif "directions" in fields:
         fields["outputs"] = ("bits", "weights")
     elif fields.get("sun_disk"):
@@ -277,12 +290,13 @@ def _number(key: str, value: Any) -> float:
         raise ValueError(f"{key}: {value!r} is not a number") from None
 
 
-def read_toml(path: str | Path) -> tuple[Settings, dict[str, Any]]:
-    """The settings of a file, and its table [run]: folder, workers, device. Raises ValueError or OSError."""
+def read_toml(path: str | Path, **more: Any) -> tuple[Settings, dict[str, Any]]:
+    """The settings of a file, and its table [run]: folder, workers, device. more: settings in place of the file's, with
+    absolute paths. Raises ValueError or OSError."""
     file = Path(path)
     try:
         values = tomllib.loads(file.read_text())
     except tomllib.TOMLDecodeError as error:
         raise ValueError(f"{file}: {error}") from None
     run = values.pop("run", {})
-    return settings_of(values.pop("study", {}) | values, file.absolute().parent), run
+    return settings_of(values.pop("study", {}) | values | more, file.absolute().parent), run

@@ -163,6 +163,9 @@ def create_arrays(
     for output, name, long_name, units in (
         ("hours", "sun_hours", "hours of sun", "hours"),
         ("weights", "sum_of_weights", "sum of the weights of the suns that are seen", "1"),
+        ("irradiation", "irradiation", "irradiation from the Sun and the sky", "kWh/m2"),
+        ("direct", "direct", "irradiation from the Sun", "kWh/m2"),
+        ("diffuse", "diffuse", "irradiation from the sky", "kWh/m2"),
     ):
         if output in settings.outputs:
             kind = "float32" if output == "hours" else "float64"

@@ -41,6 +41,9 @@ class Suns:
     times: (M / samples,) the middle of each step, ISO 8601 in local time; empty for tables of directions.
     is_hourly: word = 24 x (month - 1) + hour, bit = day - 1.
     notes: facts about the suns for the record.
+    true: (M, 3) unit vectors to the suns, x true east, y true north; to_map: (Z, 2, 2) the Jacobian from there to the
+        map. Both are empty unless the study has a weather file, whose weights are Wh/m^2 at a right angle.
+    is_sky: (M,) bool: parts of the sky, not the Sun.
     """
 
     zones: NDArray[np.int64]
@@ -56,6 +59,9 @@ class Suns:
     times: list[str]
     is_hourly: bool
     notes: dict[str, Any]
+    true: NDArray[np.float64] = dataclasses.field(default_factory=lambda: np.empty((0, 3)))
+    to_map: NDArray[np.float64] = dataclasses.field(default_factory=lambda: np.empty((0, 2, 2)))
+    is_sky: NDArray[np.bool_] = dataclasses.field(default_factory=lambda: np.empty(0, bool))
 
     def save(self, path: Path) -> None:
         fields = {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
@@ -66,9 +72,9 @@ class Suns:
     @classmethod
     def load(cls, path: Path) -> Suns:
         with np.load(path) as data:
-            arrays = ("zones", "towards", "word", "bit", "seconds", "weights")
+            arrays = ("zones", "towards", "word", "bit", "seconds", "weights", "true", "to_map", "is_sky")
             return cls(
-                **{name: data[name] for name in arrays},
+                **{name: data[name] for name in arrays if name in data},
                 size=float(data["size"]),
                 word_count=int(data["word_count"]),
                 samples=int(data["samples"]),
@@ -209,11 +215,14 @@ def _on_map(
     """(M, 3) unit vectors of degrees clockwise from true north and above the horizon, on the map that the Jacobian (2,
     2) leads to; without it north is the map's."""
     a, e = np.radians(azimuth), np.radians(elevation)
-    level = np.stack([np.sin(a) * np.cos(e), np.cos(a) * np.cos(e)], axis=1)
-    if true_to_map is None:
-        return np.column_stack([level, np.sin(e)])
-    towards = np.column_stack([level @ true_to_map.T, np.sin(e)])
-    return towards / np.linalg.norm(towards, axis=1, keepdims=True)
+    true = np.stack([np.sin(a) * np.cos(e), np.cos(a) * np.cos(e), np.sin(e)], axis=1)
+    return true if true_to_map is None else _stretched(true, true_to_map)
+
+
+def _stretched(true: NDArray[np.float64], true_to_map: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(M, 3) unit vectors on the map of vectors on the true ground."""
+    towards = np.column_stack([np.ascontiguousarray(true[:, :2]) @ true_to_map.T, true[:, 2]])
+    return np.asarray(towards / np.linalg.norm(towards, axis=1, keepdims=True))
 
 
 def samples_of_disks(towards: NDArray[np.float64], samples: int) -> NDArray[np.float32]:
@@ -232,6 +241,8 @@ def suns_of(s: Settings, crs: str | None, box: tuple[float, float, float, float]
     """The suns of all zones that meet the receivers' box x0, y0, x1, y1. Raises ValueError. crs: the raster's, for
     settings without one."""
     zones = zones_of_box(box, s.zone)
+    if s.weather is not None:
+        return _suns_of_weather(s, crs, zones, box)
     if s.start is None:
         return _suns_of_table(s, crs, zones)
     times = _middles_of_steps(s)
@@ -355,3 +366,73 @@ def _towards_by_angles(
     place = _Map(crs)
     centres = (zones + 0.5) * s.zone
     return np.stack([_on_map(azimuth, elevation, place.jacobian(*xy)) for xy in centres.tolist()])
+
+
+# ---- Weather files ---------------------------------------------------------------------------------------------------
+
+
+def _suns_of_weather(
+    s: Settings, crs: str | None, zones: NDArray[np.int64], box: tuple[float, float, float, float]
+) -> Suns:
+    """The Sun in the middle of each hour of the file that has direct irradiance, over the file's place; then the parts
+    of the sky, if an output needs them. Without a CRS true north is the map's."""
+    from .. import weather
+
+    assert s.weather is not None
+    file = weather.read(s.weather)
+    to_map = np.broadcast_to(np.eye(2), (len(zones), 2, 2))
+    if (s.crs or crs) is not None:
+        place = _Map(s.crs or crs)
+        longitude, latitude = place.longitude_and_latitude((box[0] + box[2]) / 2, (box[1] + box[3]) / 2)
+        file.require_near(latitude, longitude)
+        to_map = np.stack([place.jacobian(*xy) for xy in ((zones + 0.5) * s.zone).tolist()])
+    azimuth, elevation = file.suns()
+    is_up, is_sunny = elevation > 0, file.dni > 0
+    rows = np.flatnonzero(is_up & is_sunny)
+    rows = rows[np.argsort(file.times.hour[rows], kind="stable")]  # the suns of a block stand near each other
+    true, weights = weather.towards(azimuth, elevation)[rows], file.dni[rows] * file.step
+    sky = _sky_of(file) if {"irradiation", "diffuse"} & {*s.outputs} else (np.empty((0, 3)), np.empty(0))
+    is_sky = np.arange(len(true) + len(sky[0])) >= len(true)
+    true, weights = np.concatenate([true, sky[0]]), np.concatenate([weights, sky[1]])
+    count = len(weights)
+    whole, exponent = _gnomon.round_weights(weights)
+    return Suns(
+        zones=zones,
+        size=s.zone,
+        towards=np.stack([_stretched(true, jacobian) for jacobian in to_map]).astype(np.float32),
+        word=np.arange(count) // 32,
+        bit=np.arange(count) % 32,
+        word_count=-(-count // 32),
+        seconds=np.zeros(count, np.int64),
+        samples=1,
+        weights=whole,
+        exponent=exponent,
+        times=[],
+        is_hourly=False,
+        notes={
+            "position": "pvlib's SPA at the weather file's place, in the middle of each hour",
+            "weather": repr(file).strip("<>").removeprefix("gnomon.weather.Weather of "),
+            "suns": int(is_sunny.sum()),
+            "suns_left_out": int((is_sunny & ~is_up).sum()),
+            "direct_normal_left_out": f"{file.dni[~is_up].sum() * file.step / 1000:.3g} kWh/m2",
+            "sky": f"{len(sky[0])} parts of Perez' sky by gendaymtx",
+        },
+        true=true,
+        to_map=to_map,
+        is_sky=is_sky,
+    )
+
+
+def _sky_of(file: Any) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """(N, 3) unit vectors to the parts of Tregenza's patches, and their Wh/m^2 over all hours on what looks at them."""
+    from .. import weather
+
+    try:
+        radiance = file.radiance()
+    except ModuleNotFoundError:
+        raise ValueError(
+            "outputs: the sky's light needs pyradiance: pip install 'gnomon[weather]', or give outputs=[\"direct\"]"
+        ) from None
+    parts, patch = weather.tregenza()
+    size = np.linalg.norm(parts, axis=1)
+    return parts / size[:, None], radiance[1:].sum(axis=1)[patch] * file.step * size

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import planes
+from .energy import ENERGIES, energies, kilowatt_hours, true_normals
 from .plan import Plan
 from .planes import Planes
 from .receivers import TileOfReceivers
@@ -75,16 +76,23 @@ def compute_task(plan: Plan, tile: int, block: int) -> tuple[dict[str, tuple[int
     bits = 32 * row_of_word[suns.word] + suns.bit
     unread, decisions = set(receivers.unread), 0
 
-    def add(rows: NDArray[np.int64], chosen: NDArray[np.int64], answers: tuple[Planes | None, Planes | None]) -> None:
+    def add(
+        rows: NDArray[np.int64],
+        chosen: NDArray[np.int64],
+        answers: tuple[Planes | None, Planes | None],
+        normals: NDArray[np.float64] | None = None,
+    ) -> None:
         columns = slice(None) if len(rows) == count else rows
         for k, answer in enumerate(answers):
             if answer is None:
                 continue
             if wants_bits:
                 packed[k][:, columns] = planes.moved(answer, bits[chosen], len(words))
+            found = energies(answer, normals, suns, chosen) if plan.settings.weather else {}
             for output in plan.settings.outputs:
                 if output != "bits":
-                    sums[k, output][columns] = planes.weighed(answer, per_sun[output][chosen])
+                    of_suns = found[output] if found else planes.weighed(answer, per_sun[output][chosen])
+                    sums[k, output][columns] = of_suns
 
     for part in receivers.parts:
         towards = suns.towards[suns.zone_row(part.zone)]
@@ -93,9 +101,10 @@ def compute_task(plan: Plan, tile: int, block: int) -> tuple[dict[str, tuple[int
             continue
         chosen = chosen[np.argsort(bits[chosen], kind="stable")]  # in the order of the words that are written
         answer = plan.decider.decide(part, towards[chosen], suns.centre(part.zone))
+        normals = true_normals(part, suns.to_map[suns.zone_row(part.zone)]) if plan.settings.weather else None
         unread |= set(answer.unread)
         decisions += len(part.rows) * len(chosen)
-        add(part.rows, chosen, (answer.lit, answer.undecided))
+        add(part.rows, chosen, (answer.lit, answer.undecided), normals)
     _add_unknown(plan, receivers, suns_of_block[np.argsort(bits[suns_of_block], kind="stable")], add)
     values: dict[str, tuple[int, NDArray[Any]]] = {}
     for k, name in enumerate(("lit", "undecided")):
@@ -130,7 +139,7 @@ def sum_tile(folder: str, plan_hash: str, tile: int) -> dict[str, Any]:
     for output in plan.settings.outputs:
         if output == "bits":
             continue
-        for part, name in (("lit", {"hours": "sun_hours", "weights": "sum_of_weights"}[output]),
+        for part, name in (("lit", {"hours": "sun_hours", "weights": "sum_of_weights"}.get(output, output)),
                            ("undecided", f"undecided_{output}")):  # fmt: skip
             partial = plan.store.array(f"partials.zarr/{part}_{output}")
             total = np.zeros(is_valid.shape, np.int64)
@@ -139,6 +148,8 @@ def sum_tile(folder: str, plan_hash: str, tile: int) -> dict[str, Any]:
             values: NDArray[Any]
             if output == "hours":
                 values = (total / (3600.0 * plan.suns.samples)).astype(np.float32)
+            elif output in ENERGIES:
+                values = kilowatt_hours(total)
             else:
                 values = np.ldexp(total.astype(np.float64), plan.suns.exponent)
             values[~is_valid] = np.nan
