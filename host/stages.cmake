@@ -73,7 +73,8 @@ gnomon_wing(light_tables light_masks beam_trace point_beam_trace method_costs li
 
 # The technique that chooses between both, by its name and through the C interface.
 gnomon_wing(technique technique frustum_traced small_cells)
-gnomon_wing(c c_interface c_interface_lattice c_interface_lights c_interface_results c_interface_runs)
+gnomon_wing(c c_interface c_interface_lattice c_interface_lights c_interface_results c_interface_runs
+            nothing_grows)
 
 # Libraries of their own (host/CMakeLists.txt), which the core does not know.
 gnomon_wing(shading texture mip_levels appearance surface metering shade picture_mean received_light c_interface_shading)

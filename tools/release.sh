@@ -3,9 +3,19 @@
 # Makes of the commit that is checked out what others install, and walks it as a stranger does, in clean roots that hold
 # the artefacts alone: Debian packages, a source distribution, a wheel for each PYTHON (from 3.12 on one for all later
 # ones), the recipes of vcpkg and conda-forge, the site. All lies in build-release afterwards; docs/measurements/release has
-# the table. Needs root (debootstrap, chroot), Debian and PyPI. usage: release.sh [PYTHON...]
+# the tables. Needs root (debootstrap, chroot), Debian and PyPI. The addresses of tools/packaging/addresses lead nowhere until
+# there is a public repository: URL and ADDRESS come in their place.
+# usage: release.sh [--home URL] [--mail ADDRESS] [PYTHON...]
 set -euo pipefail
 cd "$(dirname "$0")/.."
+while [[ ${1:-} == --* ]]; do
+    case $1 in
+        --home) export GNOMON_HOME=$2 ;;
+        --mail) export GNOMON_MAIL=$2 ;;
+        *) echo "usage: $0 [--home URL] [--mail ADDRESS] [PYTHON...]" >&2; exit 2 ;;
+    esac
+    shift 2
+done
 pythons=("$@")
 [ $# -gt 0 ] || pythons=(/usr/bin/python3)
 packaging=$PWD/tools/packaging
@@ -14,6 +24,7 @@ version=$("$packaging/version.sh")
 mkdir -p "$out"
 step() { printf '\n== %s (after %d s)\n' "$*" "$SECONDS"; }
 
+git rev-parse --short=10 HEAD >"$out/commit"
 git status --porcelain | sed 's/^/only what is committed is released: /' >&2
 missing=()
 for package in debhelper dh-python help2man lintian debootstrap python3-dev python3-venv; do
@@ -47,14 +58,21 @@ python=$(environment tools "${pythons[0]}" "${build_tools[@]}")
 "$packaging/debian.sh" "$out/debian" "$("$python" -m nanobind --cmake_dir)"
 
 step "Source distribution, and a wheel of it for each Python"
-rm -rf "$out/sdist" "$out/python"
-nice "$python" -m build --sdist --outdir "$out/python" . >"$out/sdist.log"
-mkdir "$out/sdist"
+rm -rf "$out/sdist" "$out/python" "$out/tree"
+mkdir "$out/sdist" "$out/tree"
+git archive HEAD | tar -C "$out/tree" -x
+"$packaging/fill_in.sh" -- "$out/tree"/{pyproject.toml,CITATION.cff}
+nice "$python" -m build --sdist --outdir "$out/python" "$out/tree" >"$out/sdist.log"
 tar -C "$out/sdist" -xzf "$out/python/gnomon-$version.tar.gz"
+link_flags=$(flags LDFLAGS)
+if [ "$(uname -m)" = x86_64 ]; then
+    gcc -O2 -fPIC -c "$packaging/older_glibc.c" -o "$out/older_glibc.o"
+    link_flags+=" -Wl,--wrap=hypot -Wl,--wrap=hypotf $out/older_glibc.o"
+fi
 for interpreter in "${pythons[@]}"; do
     tag=$(tag_of "$interpreter")
     python=$(environment "tools_$tag" "$interpreter" "${build_tools[@]}")
-    CXXFLAGS="$(flags CXXFLAGS) $(flags CPPFLAGS)" LDFLAGS="$(flags LDFLAGS)" nice "$python" -m pip --quiet wheel \
+    CXX=g++ CXXFLAGS="$(flags CXXFLAGS) $(flags CPPFLAGS)" LDFLAGS=$link_flags nice "$python" -m pip --quiet wheel \
         "$out/sdist/gnomon-$version" --no-deps --no-build-isolation --wheel-dir "$out/sdist/wheel_$tag" --config-settings=build-dir="build/$tag"
     PATH=$(dirname "$python"):$PATH nice "$python" -m auditwheel repair --exclude 'libOpenCL.so*' --wheel-dir "$out/python" \
         "$out/sdist/wheel_$tag"/*.whl
@@ -64,13 +82,14 @@ step "Recipes: filled in, checked, and vcpkg's followed by hand"
 "$packaging/recipes.sh" "$out/recipes" "$out/python/gnomon-$version.tar.gz" "$out/source/gnomon-$version"
 
 step "Walks in clean roots"
-cp tests/consumer/sun_study.py "$out/python"
+cp tests/consumer/sun_study.py "$packaging/walks/first.py" "$out/python"
 rm -rf "$out"/{debian,python,recipes}/results
 "$packaging/clean_root.sh" bookworm "$out/debian" "$packaging/walks/debian.sh"
 "$packaging/clean_root.sh" bookworm "$out/python" "$packaging/walks/wheel.sh" study
 for wheel in "$out"/python/*-abi3-*.whl; do
     [ ! -e "$wheel" ] || "$packaging/clean_root.sh" trixie "$out/python" "$packaging/walks/wheel.sh"
 done
+"$packaging/clean_root.sh" bookworm "$out/python" "$packaging/walks/sdist.sh"
 "$packaging/clean_root.sh" bookworm "$out/recipes" "$packaging/walks/library.sh"
 
 step "Site"
@@ -80,3 +99,5 @@ python=$(environment site "${pythons[0]}" "${wheels[0]}[study]" mkdocs-material 
 
 step "Table"
 "$packaging/table.sh" "$out" docs/measurements/release
+
+step "Done: name this commit, $(git rev-parse --short HEAD), in tools/speed_guard.txt, and remove what that allows"

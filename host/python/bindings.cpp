@@ -514,6 +514,10 @@ void bind_views(nb::module_& m) {
         .def_ro("up", &Camera::up)
         .def_ro("forward", &Camera::forward)
         .def_ro("fov_y_radians", &Camera::fov_y_radians)
+        .def("at",
+             [](const Camera& c, const gnomon::Float3& eye) {
+                 return Camera{eye, c.right, c.up, c.forward, c.fov_y_radians};
+             })
         .def("__getstate__",
              [](const Camera& c) { return std::tuple(c.eye, c.right, c.up, c.forward, c.fov_y_radians); })
         .def("__setstate__", [](Camera& self, const std::tuple<gnomon::Float3, Axis, Axis, Axis, double>& state) {
@@ -602,14 +606,21 @@ OwnedCutOuts moved_cut_outs(gnomon::scene::Scene& scene) {
     return to;
 }
 
-void bind_scenes(nb::module_& m) {
+void bind_scene_files(nb::module_& m) {
     using namespace gnomon::scene;
+    using Place = std::array<double, 3>;
     nb::class_<Scene>(m, "SceneFile")
         // The arrays move out of the scene: call each once.
         .def("take_triangles",
              [](Scene& scene) {
                  const std::size_t count = scene.triangle_count();
                  return numpy_of(std::move(scene.triangles), {count, 3, 3});
+             })
+        .def("take_doubles",
+             [](Scene& scene) -> std::optional<Numpy<double>> {
+                 if (scene.doubles.empty()) return std::nullopt;
+                 const std::size_t count = scene.doubles.size() / 9;
+                 return numpy_of(std::move(scene.doubles), {count, 3, 3});
              })
         .def("take_triangle_material",
              [](Scene& scene) { return row_of(std::move(scene.materials.triangle_material)); })
@@ -625,6 +636,18 @@ void bind_scenes(nb::module_& m) {
                          for (const NamedCamera& c : scene.cameras) all.emplace_back(c.name, c.camera);
                          return all;
                      })
+        .def_prop_ro("eyes",
+                     [](const Scene& scene) {
+                         std::vector<Place> all;
+                         for (const NamedCamera& c : scene.cameras) all.push_back(c.eye);
+                         return all;
+                     })
+        .def_prop_ro("positions",
+                     [](const Scene& scene) {
+                         std::vector<Place> all;
+                         for (const NamedLight& l : scene.lights) all.push_back(l.position);
+                         return all;
+                     })
         .def_prop_ro("lights",
                      [](const Scene& scene) {
                          std::vector<std::pair<std::string, std::array<float, 4>>> all;
@@ -633,6 +656,11 @@ void bind_scenes(nb::module_& m) {
                      })
         .def_ro("warnings", &Scene::warnings)
         .def_ro("animations", &Scene::animations);
+}
+
+void bind_scenes(nb::module_& m) {
+    using namespace gnomon::scene;
+    bind_scene_files(m);
     m.def(
         "load_scene",
         [](const std::string& file, const std::optional<std::string>& scene,
@@ -643,6 +671,7 @@ void bind_scenes(nb::module_& m) {
             options.animation = animation;
             options.time_s = time_s;
             options.blend = BlendCasters(blend);
+            options.keeps_doubles = true;
             if (decode_alpha) options.decode_alpha = decoder_of(*decode_alpha);
             return released([&] { return load(file, options); });
         },

@@ -2,7 +2,8 @@
 // From a checked glTF document to world triangles: walk the nodes (in the file's order, which is the triangles' order),
 // count all elements, refuse a scene that cannot fit into memory, then decode each accessor once and write the
 // triangles. A position is p = world_from_node * p_node in double, rounded to float32 once; so is a morphed, skinned or
-// quantized one. The document and its decoded accessors serve every time of an animation.
+// quantized one. Where this moves vertices visibly, the doubles are written, too, for a caller who wants them. The
+// document and its decoded accessors serve every time of an animation.
 #include <unistd.h>
 
 #include <algorithm>
@@ -116,6 +117,7 @@ public:
           model_(document_.model),
           accessors_(file_, model_),
           blend_(options.blend),
+          keeps_doubles_(options.keeps_doubles),
           images_(file_, model_, document_.materials.images, options, memory_bytes_) {
         if (options.animation) animation_ = int(chosen_animation(*options.animation));
     }
@@ -127,9 +129,10 @@ public:
         Pose pose(file_, model_, document_.parents, animated_nodes(time_s));
         walk(pose);
         plan_parts();
-        check_amount();
+        const std::uint64_t needed_bytes = check_amount();
         make_materials();
         write_triangles(pose);
+        if (keeps_doubles_ && !work_.moved.empty()) write_doubles(pose, needed_bytes);
         warn();
         return std::move(work_.scene);
     }
@@ -293,6 +296,7 @@ private:
         glm::dvec3 forward = -visit.world_from_node.linear[2], up = visit.world_from_node.linear[1], right{};
         const bool is_usable = make_unit(forward) && make_unit(up) && make_unit(right = cross(forward, up));
         named.camera.eye = array_of(visit.world_from_node.translation);
+        named.eye = array_of<double>(visit.world_from_node.translation);
         if (!is_usable || !is_finite(named.camera.eye)) {
             work_.unusable.push_back("camera " + in_quotes(named.name));
             return;
@@ -318,6 +322,7 @@ private:
             return;
         }
         named.light = is_directional ? Light::directional(v) : Light::point(v);
+        named.position = array_of<double>(world.translation);
         work_.scene.lights.push_back(std::move(named));
     }
 
@@ -709,8 +714,8 @@ private:
     }
 
     /// A few hundred bytes of JSON can describe terabytes (instances of instances). So all elements are counted before
-    /// the first allocation.
-    void check_amount() const {
+    /// the first allocation. Returns the bytes that they need.
+    std::uint64_t check_amount() const {
         std::uint64_t triangles = 0, largest_shape = 0;
         std::map<int, std::uint64_t> triangles_of_mesh;
         for (const auto& [mesh, parts] : parts_)
@@ -735,6 +740,7 @@ private:
                  "has {} triangles with its instances, which need {} MiB, more than the {} MiB of memory that it may "
                  "take",
                  triangles, bytes >> 20, memory_bytes_ >> 20);
+        return bytes;
     }
 
     /// The largest value of the type restarts a strip in graphics APIs. glTF forbids this value, and a guess of its
@@ -800,68 +806,108 @@ private:
         for (const auto& [material, use] : texture_uses_) out.texture_uses[std::size_t(material)] = use;
     }
 
-    /// Moves both outputs on. Returns how many triangles are not finite.
-    std::size_t write_instances(const Instance& instance, Pose& pose, float*& out,
-                                std::vector<std::uint32_t>::iterator& material) {
+    /// Calls write(part, shape, world) for each part of a mesh, as often as it is drawn, in the triangles' order.
+    template <class Write>
+    void for_each_part(const Instance& instance, Pose& pose, const Write& write) {
         const tinygltf::Node& node = model_.nodes[std::size_t(instance.node)];
         // A file can ask for 2^63 instances of nothing.
-        if (std::ranges::all_of(parts_[node.mesh], [](const Part& part) { return part.triangle_count == 0; })) return 0;
+        if (std::ranges::all_of(parts_[node.mesh], [](const Part& part) { return part.triangle_count == 0; })) return;
         const std::vector<double> weights = pose.morph_weights(instance.node);
         std::vector<glm::dmat4> joints;
         if (node.skin >= 0) joints = pose.joints(node.skin, accessors_);
         const InstanceTransforms transforms = instance_transforms(instance.node);
         const bool is_instanced = node.extensions.contains(instancing);
-        std::size_t not_finite = 0;
         for (std::size_t i = 0; i < instance.count; ++i) {
             Affine world = instance.world_from_node;
             if (is_instanced) world = world * instance_transform(transforms, i, instance.node);
-            for (const Part& part : parts_[node.mesh]) {
-                const Shape shape(file_, accessors_, part.vertices, weights, node.skin >= 0 ? &joints : nullptr,
-                                  part_text(node.mesh, part.primitive));
-                if (node.skin >= 0 && !shape.is_skinned())
-                    work_.not_supported.insert("a skin without joints and weights (drawn unskinned)");
-                not_finite += write_part(part, node.mesh, shape.is_skinned() ? Affine{} : world, shape, out);
-                if (!world.is_identity()) check_rounding(instance, out, out + part.triangle_count * 9);
-                const std::size_t first = std::size_t(out - work_.scene.triangles.data()) / 9;
-                write_coordinates(part, first);
-                write_cut_outs(part, first);
-                write_colors(part, shape, world, first);
-                out += part.triangle_count * 9;
-                material = std::fill_n(material, part.triangle_count, part.material);
-            }
+            for (const Part& part : parts_[node.mesh])
+                write(part,
+                      Shape(file_, accessors_, part.vertices, weights, node.skin >= 0 ? &joints : nullptr,
+                            part_text(node.mesh, part.primitive)),
+                      world);
         }
+    }
+
+    /// Moves both outputs on. Returns how many triangles are not finite.
+    std::size_t write_instances(const Instance& instance, Pose& pose, float*& out,
+                                std::vector<std::uint32_t>::iterator& material) {
+        const tinygltf::Node& node = model_.nodes[std::size_t(instance.node)];
+        std::size_t not_finite = 0;
+        for_each_part(instance, pose, [&](const Part& part, const Shape& shape, const Affine& world) {
+            if (node.skin >= 0 && !shape.is_skinned())
+                work_.not_supported.insert("a skin without joints and weights (drawn unskinned)");
+            not_finite += write_part(part, instance, world, shape, out);
+            const std::size_t first = std::size_t(out - work_.scene.triangles.data()) / 9;
+            write_coordinates(part, first);
+            write_cut_outs(part, first);
+            write_colors(part, shape, world, first);
+            out += part.triangle_count * 9;
+            material = std::fill_n(material, part.triangle_count, part.material);
+        });
         return not_finite;
+    }
+
+    /// The triangles once more, unless they do not fit into memory.
+    void write_doubles(Pose& pose, std::uint64_t needed_bytes) {
+        const std::uint64_t more = times(work_.scene.triangles.size(), sizeof(double));
+        if (plus(needed_bytes, more) > memory_bytes_) return;
+        work_.scene.doubles.resize(work_.scene.triangles.size());
+        double* out = work_.scene.doubles.data();
+        for (const Instance& instance : work_.instances)
+            for_each_part(instance, pose, [&](const Part& part, const Shape& shape, const Affine& world) {
+                const std::uint32_t* index = indices_of(part, model_.nodes[std::size_t(instance.node)].mesh);
+                with_places(part, shape, world, [&](const auto& place) {
+                    for (std::size_t i = 0; i < part.triangle_count; ++i)
+                        for (const glm::dvec3& p : places_of(part, index, place, i))
+                            for (int k = 0; k < 3; ++k) *out++ = p[k];
+                });
+            });
+        work_.moved.clear();
     }
 
     /// Calls write with a function that gives a vertex in the node's space, or a skinned one in the world's. Vertices
     /// are computed once each, unless the part uses only some of them.
     template <class Write>
-    std::size_t with_vertices(const Part& part, const Shape& shape, const Write& write) {
+    void with_vertices(const Part& part, const Shape& shape, const Write& write) {
         const std::size_t count = shape.base().count;
         if (shape.has_file_bits() || part.triangle_count * 3 < count) return write(shape);
         std::vector<glm::dvec3> vertices(count);
         for (std::size_t i = 0; i < count; ++i) vertices[i] = shape(i);
-        return write([&](std::size_t vertex) { return vertices[vertex]; });
+        write([&](std::size_t vertex) { return vertices[vertex]; });
+    }
+
+    const std::uint32_t* indices_of(const Part& part, int mesh) {
+        if (part.index_accessor < 0) return nullptr;
+        const Indices& all = accessors_.indices(part.index_accessor);
+        check_indices(all, part, part_text(mesh, part.primitive));
+        return all.value.data();
+    }
+
+    /// Calls write with a function that gives a vertex's place in the world. `world`: of an unskinned part.
+    template <class Write>
+    void with_places(const Part& part, const Shape& shape, const Affine& world, const Write& write) {
+        const bool stays = shape.is_skinned() || world.is_identity();
+        with_vertices(part, shape, [&](const auto& vertex) {
+            write([&](std::size_t i) -> glm::dvec3 { return stays ? vertex(i) : world(vertex(i)); });
+        });
     }
 
     /// Returns how many triangles are not finite.
-    std::size_t write_part(const Part& part, int mesh, const Affine& world, const Shape& shape, float* out) {
-        const std::uint32_t* index = nullptr;
-        if (part.index_accessor >= 0) {
-            const Indices& all = accessors_.indices(part.index_accessor);
-            check_indices(all, part, part_text(mesh, part.primitive));
-            index = all.value.data();
-        }
+    std::size_t write_part(const Part& part, const Instance& instance, const Affine& world, const Shape& shape,
+                           float* out) {
+        const std::uint32_t* index = indices_of(part, model_.nodes[std::size_t(instance.node)].mesh);
         if (part.triangle_count == 0) return 0;
         // The product with the identity would turn -0 into +0.
-        const bool is_identity = world.is_identity();
-        if (is_identity && shape.has_file_bits())
+        if (world.is_identity() && shape.has_file_bits())
             return write_corners(
                 part, index, [&](std::size_t i) { return shape.base().float3(i); }, out);
-        return with_vertices(part, shape, [&](const auto& vertex) {
-            const auto place = [&](std::size_t i) { return array_of(is_identity ? vertex(i) : world(vertex(i))); };
-            return write_corners(part, index, place, out);
+        std::size_t not_finite = 0;
+        with_places(part, shape, world, [&](const auto& place) {
+            not_finite = write_corners(
+                part, index, [&](std::size_t i) { return array_of(place(i)); }, out);
+            check_rounding(part, instance, index, place, out);
         });
+        return not_finite;
     }
 
     /// The vertex orders that glTF defines for its topologies; all keep the winding.
@@ -869,6 +915,15 @@ private:
         if (topology == Topology::strip) return {i, i + 1 + i % 2, i + 2 - i % 2};
         if (topology == Topology::fan) return {i + 1, i + 2, 0};
         return {3 * i, 3 * i + 1, 3 * i + 2};
+    }
+
+    /// The corners of a triangle of the part.
+    template <class Place>
+    static std::array<glm::dvec3, 3> places_of(const Part& part, const std::uint32_t* index, const Place& place,
+                                               std::size_t triangle) {
+        const auto [a, b, c] = corners_of(part.topology, triangle);
+        if (index == nullptr) return {place(a), place(b), place(c)};
+        return {place(index[a]), place(index[b]), place(index[c])};
     }
 
     template <class Place>
@@ -925,9 +980,8 @@ private:
                                         ": may be cut out by their alpha: " + counted(std::size_t(count), "triangle"));
     }
 
-    /// Where a node's transform leads so far away that float32 moves vertices visibly.
-    void check_rounding(const Instance& instance, const float* first, const float* last) {
-        if (first == last) return;
+    /// Whether float32 may have moved these vertices by more than 1/256 of their triangles, for how far away they are.
+    static bool may_have_moved(const float* first, const float* last) {
         double farthest = 0, sizes = 0;
         for (const float* t = first; t != last; t += 9)
             for (int c = 0; c < 3; ++c) {
@@ -935,8 +989,30 @@ private:
                 farthest = std::max({farthest, std::fabs(double(low)), std::fabs(double(high))});
                 sizes += double(high) - double(low);
             }
-        const double size = sizes / (double(last - first) / 9) / 2, move = std::ldexp(farthest, -25);
-        if (size > 0 && std::isfinite(sizes) && std::isfinite(farthest) && move > std::ldexp(size, -8))
+        const double size = sizes / (double(last - first) / 9) / 2;
+        return !(std::ldexp(farthest, -25) <= std::ldexp(size, -8));
+    }
+
+    /// Where a node's transform leads so far away that float32 moves vertices visibly. Whole numbers it may hold there.
+    template <class Place>
+    void check_rounding(const Part& part, const Instance& instance, const std::uint32_t* index, const Place& place,
+                        const float* written) {
+        if (!may_have_moved(written, written + 9 * part.triangle_count)) return;
+        double move = 0, sizes = 0;
+        std::size_t finite_count = 0;
+        for (std::size_t i = 0; i < part.triangle_count; ++i) {
+            const auto [a, b, c] = places_of(part, index, place, i);
+            const glm::dvec3 size = glm::max(glm::max(a, b), c) - glm::min(glm::min(a, b), c);
+            for (const glm::dvec3& p : {a, b, c})
+                for (int k = 0; k < 3; ++k)
+                    if (std::isfinite(float(p[k]))) move = std::max(move, std::fabs(double(float(p[k])) - p[k]));
+            if (const double sum = size.x + size.y + size.z; std::isfinite(sum)) {
+                sizes += sum;
+                ++finite_count;
+            }
+        }
+        const double size = sizes / double(std::max<std::size_t>(finite_count, 1)) / 2;
+        if (size > 0 && move > std::ldexp(size, -16))
             work_.moved.push_back(fmt::format("{} under {} by up to {:.2g}, its triangles measure {:.2g}",
                                               mesh_text(model_.nodes[instance.node].mesh), node_text(instance.node),
                                               move, size));
@@ -947,7 +1023,10 @@ private:
     void warn() {
         add_phrases();
         if (!work_.moved.empty())
-            warn("float32 moves vertices, for their node lies far from the origin: " + listed(work_.moved, 3));
+            warn(
+                "float32 moves vertices, for their node lies far from the origin (move it there, or take Python's "
+                "Scene.from_gltf, which keeps doubles): " +
+                listed(work_.moved, 3));
         if (!work_.not_supported.empty()) {
             const std::vector<std::string> phrases(work_.not_supported.begin(), work_.not_supported.end());
             warn("has what gnomon does not support: " + listed(phrases, phrases.size()));
@@ -979,6 +1058,7 @@ private:
     std::set<int> animation_accessors_, other_accessors_;
     bool uses_default_material_ = false;
     const BlendCasters blend_;
+    const bool keeps_doubles_;
     Images images_;
     SceneCutOuts cut_outs_;  ///< materials and textures
     std::map<int, std::uint32_t> alpha_of_image_;

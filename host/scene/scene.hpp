@@ -29,6 +29,7 @@ struct NamedCamera {
     std::string name;     ///< node name, else camera name, else "camera N"
     Camera camera;        ///< transformed in double; the eye is rounded once
     int file_index = -1;  ///< of the file's cameras; -1: of no file
+    std::array<double, 3> eye{};
 };
 
 /// KHR_lights_punctual. A spot is positional for visibility: its cone and range are shading.
@@ -37,6 +38,7 @@ struct NamedLight {
     std::string type;     ///< "directional", "point" or "spot"
     Light light;          ///< transformed in double, rounded once
     int file_index = -1;  ///< of the file's lights; -1: of no file
+    std::array<double, 3> position{};
 };
 
 /// Cut-outs that the scene owns.
@@ -109,6 +111,8 @@ struct Scene {
     /// 9 per triangle: world space. Morph targets, skins, node transforms and instances are applied in double and
     /// rounded once; under an identity transform the floats have the file's own bits.
     std::vector<float> triangles;
+    /// Before they were rounded, where LoadOptions asks for this and float32 moves vertices visibly; else empty.
+    std::vector<double> doubles;
     Materials materials;                     ///< base colour factors, linear
     std::vector<float> texture_coordinates;  ///< u, v of the corners, 6 per triangle; empty: no triangle has a texture
     SceneCutOuts cut_outs;
@@ -141,6 +145,7 @@ struct LoadOptions {
     BlendCasters blend = BlendCasters::opaque;
     AlphaDecoder decode_alpha{};   ///< none: the scene has no cut-outs, and a warning says that they are drawn opaque
     ColorDecoder decode_colors{};  ///< none: the scene has no SceneColors
+    bool keeps_doubles = false;    ///< Scene::doubles, and no warning where they are there
 };
 
 /// Loads a .glb or .gltf file. Throws SceneError, also if its triangles need more memory than they may take.

@@ -502,6 +502,27 @@ TEST_F(SceneFile, NodesOfEarthSizeAreNamed) {
     gltf.set("/nodes/0/scale", "[1, 1, 1]");
     gltf.set("/nodes/0/translation", "[451.1, 0, 531.1]");
     EXPECT_TRUE(load(gltf).warnings.empty());
+    gltf.set("/nodes/0/translation", "[4500001, 0, 5300001.5]");  // float32 holds the sums
+    EXPECT_TRUE(load(gltf).warnings.empty());
+    gltf.set("/nodes/0/translation", "[4500001.1, 0, 5300001.1]");
+    gltf.set("/nodes/0/scale", "[0.01, 0.01, 0.01]");  // and makes one point of the triangle
+    expect_warning(load(gltf), {"float32 moves vertices", "its triangles measure 0.01"});
+}
+
+// Who asks for doubles has the sums of the file's numbers, and no warning; where float32 serves there are none.
+TEST_F(SceneFile, DoublesAreKeptWhereFloat32MovesVertices) {
+    Gltf gltf = triangle_file();
+    EXPECT_TRUE(load(gltf, {.keeps_doubles = true}).doubles.empty());
+    const std::vector<float> at_origin = load(gltf).triangles;
+    gltf.set("/nodes/0/translation", "[4500001.1, 0, 5300001.1]");
+    EXPECT_TRUE(load(gltf).doubles.empty());
+    const Scene scene = load(gltf, {.keeps_doubles = true});
+    EXPECT_TRUE(scene.warnings.empty());
+    ASSERT_EQ(scene.doubles.size(), 9u);
+    constexpr std::array place{4500001.1, 0.0, 5300001.1};
+    for (std::size_t i = 0; i < 9; ++i) EXPECT_EQ(scene.doubles[i], double(at_origin[i]) + place[i % 3]) << i;
+    gltf.set("/nodes/0/name", R"("place")");
+    expect_warning(load(gltf, {.memory_bytes = 100, .keeps_doubles = true}), {"float32 moves vertices"});
 }
 
 TEST_F(SceneFile, GlassIsNamed) {

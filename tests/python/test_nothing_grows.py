@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""Nothing grows: each public operation, repeated; memory, threads, file handles and device memory stay the same after the
-first rounds. Beside them stand bare OpenCL calls, which tell what the driver itself keeps.
+"""Nothing grows: each public operation, repeated; memory, threads, file handles and device memory stay the same after
+the first rounds. Beside them stand bare OpenCL calls, which tell what the driver itself keeps. (C++ and C, where no
+interpreter blurs the heap: tests/c/nothing_grows_test.cpp.)
 
 GNOMON_ROUNDS=1000 repeats each a thousand times."""
 
@@ -28,7 +29,8 @@ def operation(i):
 def used():
     gc.collect()
     pages = int(open('/proc/self/statm').read().split()[1])
-    return pages * os.sysconf('SC_PAGE_SIZE'), len(os.listdir('/proc/self/task')), len(os.listdir('/proc/self/fd')), device.memory_bytes
+    threads, files = (len(os.listdir('/proc/self/' + kind)) for kind in ('task', 'fd'))
+    return pages * os.sysconf('SC_PAGE_SIZE'), threads, files, device.memory_bytes
 first = None
 for i in range({rounds}):
     operation(i)
@@ -47,7 +49,8 @@ OPERATIONS = {
     "a scene on a lattice": ("", "gnomon.Scene(ROOF + 0.1, lattice=2**-10).lit(POINTS, direction=DOWN)"),
     "points": ("", "scene.lit(many, direction=(0.1, 0.01 * i, -1))"),
     "many lights": ("", "scene.lit_by(many, table, bits=True)"),
-    "a prepared light": ("", "scene.prepare(direction=(0.1, 0.01 * i, -1)); scene.lit(many, direction=(0.1, 0.01 * i, -1))"),
+    "a prepared light": (
+        "", "light = (0.1, 0.01 * i, -1); scene.prepare(direction=light); scene.lit(many, direction=light)"),
     "vertices": ("", "scene.lit(np.unique(ROOF.reshape(-1, 3), axis=0), direction=DOWN, side=gnomon.Side.vertices())"),
     "a view": ("", "scene.view((0, 0, 9), (0, 0, 0), up=(0, 1, 0), size=(64, 48)).image(direction=DOWN, samples=4)"),
     "a technique": ("", "scene.visibility(POINTS, direction=DOWN, technique='pcf')"),
@@ -83,7 +86,8 @@ OPERATIONS = {
         " restart=True)"),
 }  # fmt: skip
 BARE = {
-    "bare OpenCL: a context and a queue": (QUEUE, "cl.CommandQueue(cl.create_some_context(interactive=False)).finish()"),
+    "bare OpenCL: a context and a queue": (
+        QUEUE, "cl.CommandQueue(cl.create_some_context(interactive=False)).finish()"),
     "bare OpenCL: a queue": (QUEUE, "q = cl.CommandQueue(context); q.finish()"),
     "bare OpenCL: a buffer": (QUEUE + "q = cl.CommandQueue(context)", "cl.array.to_device(q, many).get()"),
     "bare OpenCL: a program": (

@@ -1,9 +1,16 @@
 # SPDX-License-Identifier: MIT
 """Objects that people have: what is taken answers as its triangles do, and what is not taken says what to call."""
 
+# ruff: noqa: SIM115  files are handed over open
+
+import gzip
 import io
+import mmap
 import os
+import tarfile
+import tempfile
 import types
+import zipfile
 from pathlib import Path
 
 import gnomon
@@ -47,7 +54,8 @@ def blocks():
     p = pyvista()
     mesh = p.PolyData(VERTICES, np.hstack([[4, 0, 1, 2, 3]]))
     low, high = p.PolyData(VERTICES, [3, 0, 1, 2]), p.PolyData(VERTICES, [3, 0, 2, 3])
-    return {"one": p.MultiBlock([mesh]), "two": p.MultiBlock([low, high]), "nested": p.MultiBlock([p.MultiBlock([low]), high]),
+    nested = p.MultiBlock([p.MultiBlock([low]), high])
+    return {"one": p.MultiBlock([mesh]), "two": p.MultiBlock([low, high]), "nested": nested,
             "with an empty one": p.MultiBlock([low, None, high])}  # fmt: skip
 
 
@@ -109,14 +117,17 @@ def test_taken(member):
 
 
 def raster():
-    return pytest.importorskip("xarray").DataArray(np.zeros((4, 5)), dims=("y", "x"), coords={"x": range(5), "y": range(4)})
+    coords = {"x": range(5), "y": range(4)}
+    return pytest.importorskip("xarray").DataArray(np.zeros((4, 5)), dims=("y", "x"), coords=coords)
 
 
 REFUSED = {
     "a path to glTF": (lambda: Path("town.glb"), "gnomon.Scene.from_gltf"),
     "a name of a glTF file": (lambda: "town.GLTF", "gnomon.Scene.from_gltf"),
     "a path to another mesh": (lambda: Path("town.obj"), "trimesh.load"),
-    "an open file": (lambda: io.BytesIO(b"glTF"), "trimesh.load"),
+    "an open file": (lambda: io.BytesIO(b"glTF"), r"gnomon.Scene.from_gltf\(file\).*trimesh.load"),
+    "the bytes of a file": (lambda: b"glTF", r"gnomon.Scene.from_gltf\(io.BytesIO\(data\)\)"),
+    "a path in a zip file": (lambda: types.SimpleNamespace(read_bytes=bytes), r"gnomon.Scene.from_gltf\(file\)"),
     "a dictionary": (lambda: {"vertices": VERTICES, "faces": FACES}, "gnomon.Scene.vertices, faces"),
     "a raster of xarray": (raster, "gnomon.study.*raster="),
     "an xarray dataset": (lambda: raster().to_dataset(name="dsm"), "gnomon.study.*raster="),
@@ -141,14 +152,148 @@ def test_the_remedy_for_a_cell_of_a_volume_helps():
     assert len(gnomon.Scene(pyvista().wrap(mesh).extract_surface())) == 4
 
 
-def test_files_of_gltf(tmp_path):
-    leaves = Path(__file__).parents[2] / "scenes" / "leaves.glb"
-    try:
-        count = len(gnomon.Scene.from_gltf(leaves))
-    except RuntimeError as error:
-        pytest.skip(str(error))
-    assert len(gnomon.Scene.from_gltf(str(leaves))) == count
-    with open(leaves, "rb") as file, pytest.raises(TypeError, match="path: must be a file's name"):
-        gnomon.Scene.from_gltf(file)
-    with pytest.raises(FileNotFoundError, match=os.fspath(tmp_path)):
-        gnomon.Scene.from_gltf(tmp_path / "none.glb")
+LEAVES = Path(__file__).parents[2] / "scenes" / "leaves.glb"
+needs_gltf = pytest.mark.skipif(
+    not hasattr(gnomon._gnomon, "load_scene"), reason="this build reads no glTF files: a library was missing"
+)
+
+
+def member_of_zip(folder, data):
+    with zipfile.ZipFile(folder / "a.zip", "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("scenes/leaves.glb", data)
+    return zipfile.ZipFile(folder / "a.zip")
+
+
+def unbuffered(folder, data):
+    (folder / "a.glb").write_bytes(data)
+    return open(folder / "a.glb", "rb", buffering=0)
+
+
+def after_a_header(folder, data):
+    file = io.BytesIO(b"header" + data)
+    file.seek(6)
+    return file
+
+
+def mapped(folder, data):
+    with open(folder / "a.glb", "w+b") as file:
+        file.write(data)
+        file.flush()
+        return mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
+
+
+def packed(folder, data):
+    (folder / "a.glb.gz").write_bytes(gzip.compress(data))
+    return gzip.open(folder / "a.glb.gz", "rb")
+
+
+def temporary(folder, data):
+    file = tempfile.TemporaryFile(dir=folder)
+    file.write(data)
+    file.seek(0)
+    return file
+
+
+def member_of_tar(folder, data):
+    with tarfile.open(folder / "a.tar", "w") as archive:
+        entry = tarfile.TarInfo("leaves.glb")
+        entry.size = len(data)
+        archive.addfile(entry, io.BytesIO(data))
+    return tarfile.open(folder / "a.tar").extractfile("leaves.glb")
+
+
+class Response:
+    """What urllib and requests hand over: read() and nothing else."""
+
+    def __init__(self, data):
+        self.read = lambda: data
+
+
+FILES = {
+    "a Path": lambda folder, data: LEAVES,
+    "a name": lambda folder, data: str(LEAVES),
+    "any PathLike": lambda folder, data: type("Place", (), {"__fspath__": lambda self: str(LEAVES)})(),
+    "an open file": lambda folder, data: open(LEAVES, "rb"),
+    "an unbuffered file": unbuffered,
+    "BytesIO": lambda folder, data: io.BytesIO(data),
+    "BytesIO that stands after a header": after_a_header,
+    "a member of a zip file": lambda folder, data: member_of_zip(folder, data).open("scenes/leaves.glb"),
+    "a path in a zip file": lambda folder, data: zipfile.Path(member_of_zip(folder, data), "scenes/leaves.glb"),
+    "a member of a tar file": member_of_tar,
+    "gzip": packed,
+    "a temporary file": temporary,
+    "mmap": mapped,
+    "a response": lambda folder, data: Response(data),
+    "a bytearray's": lambda folder, data: Response(bytearray(data)),
+}
+
+
+@needs_gltf
+@pytest.mark.parametrize("member", FILES)
+def test_files_of_gltf(member, tmp_path):
+    given = FILES[member](tmp_path, LEAVES.read_bytes())
+    scene, same = gnomon.Scene.from_gltf(given), gnomon.Scene.from_gltf(LEAVES)
+    assert (scene.triangles == same.triangles).all() and scene.cut_out_counts == same.cut_out_counts
+    if hasattr(given, "close"):
+        given.close()
+
+
+def seek_to_end(file):
+    file.seek(0, os.SEEK_END)
+    return file
+
+
+def closed(file):
+    file.close()
+    return file
+
+
+OTHER_FILES = {
+    "bytes": (lambda: LEAVES.read_bytes(), TypeError, r"not bytes: io.BytesIO\(data\) is one"),
+    "a file of text": (lambda: open(LEAVES, encoding="latin-1"), TypeError, "leaves.glb gives str.*mode 'rb'"),
+    "StringIO": (lambda: io.StringIO("{}"), TypeError, "<StringIO> gives str, not bytes"),
+    "a number": (lambda: 3, TypeError, r"not int: open\(name, 'rb'\) is one"),
+    "None": (lambda: None, TypeError, "not NoneType"),
+    "a name that is not there": (lambda: "none.glb", FileNotFoundError, "none.glb: does not exist"),
+    "a URL": (lambda: "https://a.org/b.glb", FileNotFoundError, "https://a.org/b.glb: does not exist here: download"),
+    "nothing": (io.BytesIO, ValueError, "^path: <BytesIO> gives no bytes: it is empty"),
+    "a file at its end": (lambda: seek_to_end(io.BytesIO(b"glTF")), ValueError, r"read to its end \(seek\(0\)\)"),
+    "a closed file": (lambda: closed(open(LEAVES, "rb")), ValueError, "leaves.glb cannot be read: read of closed file"),
+    "a file for writing": (lambda: open(os.devnull, "wb"), ValueError, "^path: /dev/null cannot be read"),
+    "a zip file": (lambda: zipfile.ZipFile(io.BytesIO(b"PK\5\6" + bytes(18))), TypeError, "ZipFile .*: open a member"),
+    "a class": (lambda: io.BytesIO, TypeError, "^path: "),
+    "no glTF": (lambda: io.BytesIO(b"no glTF at all"), ValueError, "^<BytesIO>: "),
+    "half a file": (lambda: io.BytesIO(LEAVES.read_bytes()[:5000]), ValueError, "^<BytesIO>: "),
+    "files beside it": (
+        lambda: io.BytesIO(b'{"asset":{"version":"2.0"},"buffers":[{"uri":"a.bin","byteLength":4}]}'),
+        ValueError, "^<BytesIO>: its buffer file 'a.bin' does not exist .*give the file's name",
+    ),
+}  # fmt: skip
+
+
+@needs_gltf
+@pytest.mark.parametrize("member", OTHER_FILES)
+def test_other_files_of_gltf(member):
+    make, kind, says = OTHER_FILES[member]
+    with pytest.raises(kind, match=says) as error:
+        gnomon.Scene.from_gltf(make())
+    assert "\n" not in str(error.value) and "/gnomon-" not in str(error.value)
+
+
+def test_arrays_are_not_read_from_files(tmp_path):
+    scene = gnomon.Scene(VERTICES, FACES)
+    np.savetxt(tmp_path / "a.csv", POINTS, delimiter=",")
+    for file in (tmp_path / "a.csv", str(tmp_path / "a.csv"), io.BytesIO(b"1,2,3")):
+        with pytest.raises(ValueError, match=r"^points: must be an array, not a file \(.*numpy.loadtxt"):
+            scene.lit(file, direction=DOWN)
+        with pytest.raises(ValueError, match=r"^heights: must be an array, not a file .*rasterio.open"):
+            gnomon.viewshed(file, (0, 0))
+    image = pytest.importorskip("PIL.Image")
+    image.new("RGBA", (2, 2), (0, 0, 0, 7)).save(tmp_path / "leaf.png")
+    uv = VERTICES[:, :2]
+    with pytest.raises(ValueError, match=r"alpha: must be an array, not a file \(.*PIL.Image.open\(file\)"):
+        gnomon.Scene(VERTICES, FACES, cut_outs=gnomon.CutOuts([0, 0], [gnomon.CutOut(tmp_path / "leaf.png")], uv))
+    assert (np.asarray(image.open(tmp_path / "leaf.png").convert("RGBA"))[..., 3] == 7).all()
+    with pytest.raises(ValueError, match="direction: must be three numbers, not 'down'"):
+        scene.lit([[0, 0, 0]], direction="down")
+    assert scene.lit(np.loadtxt(tmp_path / "a.csv", delimiter=","), direction=DOWN).tolist() == RIGHT

@@ -1,7 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# Runs a script as root in a copy of a bare Debian (debootstrap --variant=minbase), which is thrown away afterwards. It has
-# no repository, no compiler and no OpenCL; FOLDER is copied to /artefacts. What the script writes to /results comes back
+# Runs a walk (walks/common.sh, then SCRIPT) as root in a copy of a bare Debian (debootstrap --variant=minbase), which is thrown away afterwards. It has
+# no repository, no compiler and no OpenCL; FOLDER is copied to /artefacts. What the walk writes to /results comes back
 # as FOLDER/results. Needs root, debootstrap and a Debian mirror. usage: clean_root.sh SUITE FOLDER SCRIPT [ARGUMENTS]
 set -euo pipefail
 suite=$1 folder=$(realpath "$2") script=$(realpath "$3")
@@ -28,11 +28,11 @@ cp -a --reflink=auto "$roots/archives_$suite/." "$root/var/cache/apt/archives"
 cp -a "$folder/." "$root/artefacts"
 rm -rf "$root/artefacts/results"
 echo force-unsafe-io >"$root/etc/dpkg/dpkg.cfg.d/thrown_away"
-cp "$script" "$root/script"
+{ echo '#!/bin/bash'; cat "$(dirname "$0")/walks/common.sh" "$script"; } >"$root/script"
 chmod 755 "$root" "$root/script"
 
 status=0
-# Its own mounts and processes: nothing outlives the script. PoCL asks /sys for the processor's cores.
+# Its own mounts and processes: nothing outlives the walk. PoCL asks /sys for the processor's cores.
 nice unshare --mount --pid --fork bash -c '
     mount -t proc proc "$0/proc"
     mount --rbind --make-rslave /sys "$0/sys"

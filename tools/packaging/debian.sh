@@ -17,6 +17,7 @@ mkdir -p "$work"
 git archive --format=tar.gz --prefix="gnomon-$version/" -o "$work/gnomon_$version.orig.tar.gz" HEAD
 tar -C "$work" -xzf "$work/gnomon_$version.orig.tar.gz"
 cp -r tools/packaging/debian "$source/debian"
+tools/packaging/fill_in.sh -- "$source/debian"/{control,copyright}
 maintainer=$(sed -n 's/^Maintainer: //p' "$source/debian/control")
 printf 'gnomon (%s-1) unstable; urgency=medium\n\n  * Version %s: see /usr/share/doc/gnomon/changelog.gz.\n\n -- %s  %s\n' \
     "$version" "$version" "$maintainer" "$(git log -1 --format=%cD)" >"$source/debian/changelog"

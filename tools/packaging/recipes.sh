@@ -12,11 +12,8 @@ version=$(./version.sh)
 
 rm -rf "$folder"/{vcpkg,conda-forge,prefix}
 cp -r vcpkg conda-forge "$folder"
-home=https://gnomon.invalid  # until the repository has an address
-find "$folder/vcpkg" "$folder/conda-forge" -type f -print0 | xargs -0 sed -i -e "s|@VERSION@|$version|" \
-    -e "s|@COMMIT@|$(git rev-parse HEAD)|" -e "s|@SHA256@|$(sha256sum "$sdist" | cut -d' ' -f1)|" \
-    -e "s|@HOME@|$home|" -e "s|@URL@|$home/$(basename "$sdist")|"
-if grep -rn '@[A-Z0-9]*@' "$folder/vcpkg" "$folder/conda-forge"; then echo "a recipe is not filled in" >&2; exit 1; fi
+find "$folder/vcpkg" "$folder/conda-forge" -type f -print0 | xargs -0 ./fill_in.sh "COMMIT=$(git rev-parse HEAD)" \
+    "SHA256=$(sha256sum "$sdist" | cut -d' ' -f1)" "SDIST=$(basename "$sdist")" --
 
 venv=$(dirname "$folder")/recipes_venv
 python3 -m venv "$venv"

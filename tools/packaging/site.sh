@@ -18,6 +18,8 @@ mkdir -p "$pages"
 git ls-files -z --cached --others --exclude-standard -- '*.md' docs CITATION.cff LICENSE ':!third_party' ':!tests' ':!tools' |
     xargs -0 cp --parents -t "$pages"
 cp "$here"/site/*.md "$pages"
+cp "$here/site/mkdocs.yml" "$folder"
+"$here/fill_in.sh" -- "$folder/mkdocs.yml" "$pages/CITATION.cff"
 
 tools/api_pages.sh "$python" >"$folder/api_pages.log"
 mkdir "$pages/api"
@@ -29,9 +31,9 @@ fill() {
     sed -i -e "/$1/{r $folder/filled" -e 'd}' "$2"
 }
 fill @CHECK@ "$pages/which_device.md" "$gnomon" devices --check
-fill @CITATION@ "$pages/citing.md" "$(dirname "$python")/cffconvert" -f bibtex -i CITATION.cff
+fill @CITATION@ "$pages/citing.md" "$(dirname "$python")/cffconvert" -f bibtex -i "$pages/CITATION.cff"
+"$here/fill_in.sh" -- "$pages"/{which_device,citing}.md
 sed -n '/^## Tried by us/,$p' docs/drivers.md >>"$pages/which_device.md"
-sed "s/@VERSION@/$(tools/packaging/version.sh)/" "$here/site/mkdocs.yml" >"$folder/mkdocs.yml"
 
 NO_MKDOCS_2_WARNING=1 tool mkdocs build --strict --config-file "$folder/mkdocs.yml" >"$folder/mkdocs.log" 2>&1 ||
     { grep -vE '^INFO' "$folder/mkdocs.log" >&2; exit 1; }

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,7 @@ def on_host(array: Any, name: str) -> NDArray[Any]:
     pandas.NA, or no data by a DataArray's attributes, is NaN."""
     if is_on_device(array):
         raise TypeError(f"{name}: must be an array in host memory, not a pyopencl array")
+    _require_no_file(array, name)
     if not hasattr(array, "__array__") and hasattr(array, "__dlpack__"):
         return np.from_dlpack(array)
     values = np.ma.array(array) if _has_mask(array) else np.asarray(array)
@@ -31,6 +33,20 @@ def on_host(array: Any, name: str) -> NDArray[Any]:
         return np.asarray(values)
     real = values.dtype if values.dtype.kind == "f" else np.dtype(np.float64)
     return np.where(absent, np.array(np.nan, real), np.asarray(values).astype(real))
+
+
+def _require_no_file(array: Any, name: str) -> None:
+    is_name = isinstance(array, os.PathLike) or (isinstance(array, str) and os.path.splitext(array)[1] != "")
+    if not is_name and (not hasattr(array, "read") or hasattr(array, "__array__")):
+        return
+    if name == "heights":
+        call = "rasterio.open(file).read(1, masked=True)"
+    elif name.endswith("alpha"):
+        call = "numpy.asarray(PIL.Image.open(file).convert('RGBA'))[..., 3]"
+    else:
+        call = "numpy.load(file), or numpy.loadtxt(file, delimiter=',')"
+    given = repr(os.fspath(array)) if is_name else type(array).__name__
+    raise ValueError(f"{name}: must be an array, not a file ({given}): {call} makes one")
 
 
 def _has_mask(array: Any) -> bool:

@@ -86,8 +86,13 @@ def _remedy(given: Any) -> str | None:
         if str(name).lower().endswith((".glb", ".gltf")):
             return f"gnomon.Scene.from_gltf({name!r}) reads the file"
         return f"load it first, as gnomon.Scene(trimesh.load({name!r}))"
-    if hasattr(given, "read") and not hasattr(given, "__array__"):
-        return "load it first, as gnomon.Scene(trimesh.load(file, file_type=...)), or give Scene.from_gltf() its path"
+    if isinstance(given, bytes | bytearray):
+        return "gnomon.Scene.from_gltf(io.BytesIO(data)) reads glTF"
+    if (hasattr(given, "read") or hasattr(given, "read_bytes")) and not hasattr(given, "__array__"):
+        return (
+            "gnomon.Scene.from_gltf(file) reads glTF; load other files first, as "
+            "gnomon.Scene(trimesh.load(file, file_type=...))"
+        )
     if isinstance(given, dict):
         return "give two arrays, gnomon.Scene(vertices, faces)"
     if hasattr(given, "dims") and hasattr(given, "coords"):

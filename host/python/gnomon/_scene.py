@@ -8,13 +8,12 @@ import os
 import threading
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import IO, TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _arrays, _cut_outs, _gnomon, _lights, _meshes, _page
+from . import _arrays, _cut_outs, _files, _gnomon, _lights, _meshes, _page
 from . import _lattice as _world
 from ._devices import Device, device_of, device_of_queue
 from ._side import EXACT, Side, Technique, VertexSide
@@ -226,6 +225,7 @@ class Scene:
         self._moved: dict[tuple[int, ...], _OnDevice] = {}  # on a lattice: the triangles near the last view's eye
         self._is_closed = False
         self.cameras: dict[str, _gnomon.Camera] = {}
+        self._eyes: dict[str, tuple[float, float, float]] = {}  # of cameras, in double
         self.lights: dict[str, dict[str, tuple[float, float, float]]] = {}
         self.warnings: list[str] = []
         self._twin: Scene | None = None  # the same triangles on a lattice
@@ -298,7 +298,7 @@ class Scene:
     @classmethod
     def from_gltf(
         cls,
-        path: str | os.PathLike[str],
+        path: str | os.PathLike[str] | IO[bytes],
         *,
         time: float | None = None,
         animation: str | int | None = None,
@@ -309,19 +309,14 @@ class Scene:
         """The scene of a .glb or .gltf file, with its `cameras` and `lights` by name, the names of its `animations`,
         and `warnings`: what the file has and gnomon leaves out, a sentence each.
 
+        `path`: the file's name, or a binary file from where it stands: open(name, "rb"), io.BytesIO, a member of a
+        ZipFile. Only a name leads to the files beside it.
         `time`: seconds into `animation` (a name or an index; default: the first). Without both the pose is the one at
         rest. `scene`: one of the file's scenes, by name or index. Materials with alphaMode MASK are cut-outs, if Pillow
         is installed to decode their images. `blend`: triangles with alphaMode BLEND block as opaque ones, as if they
         were not there, or as masks with a cutoff of .5. Raises FileNotFoundError, or ValueError that names the wrong
         part.
         """
-        if not isinstance(path, str | os.PathLike):
-            raise TypeError(
-                f"path: must be a file's name, not {type(path).__name__}: write its bytes into a file first"
-            )
-        file = Path(path)
-        if not file.exists():
-            raise FileNotFoundError(f"{file}: does not exist")
         if not hasattr(_gnomon, "load_scene"):
             raise RuntimeError(
                 "this build of gnomon reads no glTF files (tinygltf, GLM or meshoptimizer was missing when it was "
@@ -329,24 +324,32 @@ class Scene:
             )
         if blend not in BLENDS:
             raise ValueError(f"blend: must be one of {', '.join(BLENDS)}, not {blend!r}")
-        loaded = _gnomon.load_scene(
-            str(file),
-            scene=None if scene is None else str(scene),
-            animation=None if animation is None else str(animation),
-            time_s=None if time is None else float(time),
-            blend=BLENDS.index(blend),
-            decode_alpha=_cut_outs.decode_alpha if _cut_outs.has_decoder() else None,
-        )
-        result = cls(loaded.take_triangles(), device=device)
+        with _files.on_disk(path, "path") as file:
+            loaded = _gnomon.load_scene(
+                str(file.path),
+                scene=None if scene is None else str(scene),
+                animation=None if animation is None else str(animation),
+                time_s=None if time is None else float(time),
+                blend=BLENDS.index(blend),
+                decode_alpha=_cut_outs.decode_alpha if _cut_outs.has_decoder() else None,
+            )
+        doubles = loaded.take_doubles()
+        result = cls(loaded.take_triangles() if doubles is None else doubles, device=device)
         result._cut_outs = loaded.take_cut_outs()
         result.cameras = dict(loaded.cameras)
-        for name, (x, y, z, w) in loaded.lights:
+        for (name, _), (x, y, z) in zip(loaded.cameras, loaded.eyes, strict=True):
+            result._eyes[name] = (x, y, z)
+        extent = float(np.ptp(result.bounds, axis=0).max()) if loaded.lights else 0.0
+        for (name, (x, y, z, w)), place in zip(loaded.lights, loaded.positions, strict=True):
+            if w and (doubles is not None or _world.moves_visibly(place, extent)):
+                x, y, z = place
             result.lights[name] = {"position": (x, y, z)} if w else {"direction": (-x, -y, -z)}
-        result.warnings = list(loaded.warnings)
+        result.warnings = [file.named(warning) for warning in loaded.warnings]
         result.animations = list(loaded.animations)
         chosen = {"scene": scene, "animation": animation, "time": time, "blend": blend}
         words = [f"--{name}={value}" for name, value in chosen.items() if value is not None]
-        result._file = [str(file.resolve()), *words]
+        if isinstance(path, str | os.PathLike):
+            result._file = [str(Path(path).resolve()), *words]
         result._material = loaded.take_triangle_material()
         result._base_color = [(r, g, b) for r, g, b in loaded.base_color]
         return result
@@ -854,14 +857,18 @@ class Scene:
             raise ValueError("give either eye= and target=, or camera=, a name of `cameras`")
         width, height = int(size[0]), int(size[1])
         upwards = _arrays.triple(up, "up")
-        if camera is None and (twin := self._needed_twin(np.empty((0, 3)), eye, target)):
-            return twin.view(eye, target, up=up, fov=fov, size=size)
+        if camera is not None and camera not in self.cameras:
+            raise ValueError(f"camera: there is no {camera!r}; there are {', '.join(self.cameras) or 'none'}")
         if camera is not None:
-            if camera not in self.cameras:
-                raise ValueError(f"camera: there is no {camera!r}; there are {', '.join(self.cameras) or 'none'}")
-            chosen, origin, upload = self.cameras[camera], None, self._on(self._device)
+            eye = target = self._eyes[camera]
+        if twin := self._needed_twin(np.empty((0, 3)), eye, target):
+            if camera is not None:
+                return twin.view(camera=camera, size=size)
+            return twin.view(eye, target, up=up, fov=fov, size=size)
+        local_eye, local_target, origin, upload = self._at_eye(eye, target)
+        if camera is not None:
+            chosen = self.cameras[camera].at(local_eye)
         else:
-            local_eye, local_target, origin, upload = self._at_eye(eye, target)
             chosen = _gnomon.Camera.look_at(local_eye, local_target, upwards, float(fov))
         view = upload.device.call(_gnomon.look, upload.device.native, upload.triangles, chosen, width, height)
         return View(self, upload, view, (width, height), origin, upwards)

@@ -9,12 +9,13 @@ import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import IO, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._earth import EARTH_RADIUS
+from ._files import on_disk
 from ._lights import Lights
 from ._scene import Scene
 from ._side import Side
@@ -140,15 +141,17 @@ class Irradiation(NamedTuple):
     left_out: float
 
 
-def read(path: str | os.PathLike[str]) -> Weather:
-    """The weather in an EPW file, or in a TMY3 table (.csv). ValueError with the column and the time of a value that is
-    missing or cannot be."""
+def read(path: str | os.PathLike[str] | IO[bytes]) -> Weather:
+    """The weather in an EPW file, or in a TMY3 table (.csv): a file's name, or a binary file, such as a member of a
+    ZipFile. ValueError with the column and the time of a value that is missing or cannot be."""
+    with on_disk(path, "path") as file:
+        has_place = file.path.read_bytes().startswith((b"LOCATION", b"\xef\xbb\xbfLOCATION"))
+        return _read(file.path, has_place or file.path.suffix.lower() == ".epw")
+
+
+def _read(file: Path, is_epw: bool) -> Weather:
     import pvlib
 
-    file = Path(path)
-    if not file.exists():
-        raise FileNotFoundError(f"{file}: does not exist")
-    is_epw = file.suffix.lower() == ".epw"
     try:
         if is_epw:
             table, place = pvlib.iotools.read_epw(_text_of(file))

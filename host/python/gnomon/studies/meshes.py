@@ -85,7 +85,8 @@ def _loaded_gltf(name: str) -> MeshFile:
         raise UnreadableError(f"{name}: this build of gnomon reads no glTF files (docs/python.md, Install)")
     scene = _gnomon.load_scene(name, scene=None, animation=None, time_s=None, blend=0, decode_alpha=None)
     notes = tuple(warning.removeprefix(f"{name}: ") for warning in scene.warnings)
-    return MeshFile(scene.take_triangles().astype(np.float64), "y", notes)
+    doubles = scene.take_doubles()
+    return MeshFile(scene.take_triangles().astype(np.float64) if doubles is None else doubles, "y", notes)
 
 
 def _loaded_by_trimesh(name: str) -> MeshFile:

@@ -8,8 +8,10 @@ import glob
 import hashlib
 import json
 import math
+import os
 import re
 import sys
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -194,12 +196,43 @@ def _check_work(s: Settings) -> None:
     _need(s.memory_limit >= 1 << 20, f"memory_limit: {s.memory_limit} is below a mebibyte")
 
 
-def files_of(value: Any, folder: Path | None = None) -> tuple[str, ...]:
+def _held(value: Any) -> str | None:
+    """How to write what an object holds into a file; None for what may be names."""
+    if isinstance(value, str | bytes | os.PathLike):
+        return None
+    if hasattr(value, "dims") and hasattr(value, "coords"):
+        return "gnomon.xarray's dem.gnomon.sun_hours() takes it, or write it with dem.rio.to_raster(name)"
+    if hasattr(value, "profile") and hasattr(value, "crs"):
+        return f"give its name, {value.name!r}"
+    if hasattr(value, "read_bytes") or hasattr(value, "read"):
+        return "write it first, pathlib.Path(name).write_bytes(file.read())"
+    if hasattr(value, "to_csv"):
+        return "write it first, table.to_csv(name, index=False)"
+    if hasattr(value, "export") and hasattr(value, "bounds"):
+        return "write it first, mesh.export('name.ply')"
+    if hasattr(value, "save") and hasattr(value, "points"):
+        return "write it first, mesh.save('name.ply')"
+    if hasattr(value, "__array__"):
+        return "write it first: numpy.save('name.npy', array) for suns, weights and points, rasterio for heights"
+    return None if isinstance(value, Iterable) else "a str or a pathlib.Path"
+
+
+def _names_of(value: Any, key: str) -> list[str]:
+    """File names. Raises ValueError with the setting's name for what a later run, or another process, cannot read."""
+    remedy = _held(value)
+    if remedy is not None:
+        why = "must be a file's name, which workers and later runs read again"
+        raise ValueError(f"{key}: {why}, not {type(value).__name__}: {remedy}")
+    if isinstance(value, str | bytes | os.PathLike):
+        return [os.fsdecode(value)]
+    return [name for one in value for name in _names_of(one, key)]
+
+
+def files_of(value: Any, folder: Path | None = None, key: str = "files") -> tuple[str, ...]:
     """Absolute paths in the given order. A name with * or ? stands for its matches, sorted."""
     folder = Path.cwd() if folder is None else folder
-    names = [value] if isinstance(value, str | Path) else list(value)
     paths: list[str] = []
-    for name in map(str, names):
+    for name in _names_of(value, key):
         path = name if "://" in name else str((folder / name).absolute())
         matches = sorted(glob.glob(path)) if re.search(r"[*?]", name) else [path]
         _need(bool(matches), f"{name}: there is no such file")
@@ -217,10 +250,12 @@ def settings_of(values: dict[str, Any], folder: Path | None = None) -> Settings:
     base = Path.cwd() if folder is None else folder
     for key in ("raster", "meshes"):
         if key in fields:
-            fields[key] = files_of(fields[key], base)
+            fields[key] = files_of(fields[key], base, key)
     for key in ("points", "directions", "weather", "weights"):
         if key in fields:
-            fields[key] = files_of(fields[key], base)[0]
+            files = files_of(fields[key], base, key)
+            _need(len(files) == 1, f"{key}: must be one file, not {len(files)}")
+            fields[key] = files[0]
     for key in ("start", "end", "crs", "height_unit"):
         if key in fields:
             fields[key] = fields[key].isoformat() if hasattr(fields[key], "isoformat") else str(fields[key])

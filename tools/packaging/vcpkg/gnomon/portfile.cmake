@@ -3,7 +3,7 @@
 # loads the OpenCL library when a program first needs it.
 vcpkg_from_git(
     OUT_SOURCE_PATH SOURCE_PATH
-    URL "@URL@"
+    URL "@HOME@"
     REF "@COMMIT@"
 )
 vcpkg_cmake_configure(
