@@ -349,7 +349,7 @@ class Scene:
         chosen = {"scene": scene, "animation": animation, "time": time, "blend": blend}
         words = [f"--{name}={value}" for name, value in chosen.items() if value is not None]
         if isinstance(path, str | os.PathLike):
-            result._file = [str(Path(path).resolve()), *words]
+            result._file = [os.path.abspath(path), *words]
         result._material = loaded.take_triangle_material()
         result._base_color = [(r, g, b) for r, g, b in loaded.base_color]
         return result
