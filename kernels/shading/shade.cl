@@ -18,8 +18,6 @@
 
 // ---- Light of a point light or a direction --------------------------------------------------------------------------
 
-static LaneFloat block_dot(PointBlock a, PointBlock b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-
 // Unit vectors, up to the last bits (pictures only, never a decision); 0 of a zero.
 static PointBlock unit_of(PointBlock d) {
     LaneFloat largest = largest_of(d);

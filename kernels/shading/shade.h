@@ -24,6 +24,8 @@ GN_STRUCT_END(PictureParams, 64)
 
 #ifndef __cplusplus
 
+#include "simd/point_blocks.clh"
+
 // The layouts of other values of the same pixels.
 static PointsLayout strided_layout(PointsLayout of, uint point_stride, uint coordinate_stride) {
     of.first = 0u;
@@ -34,5 +36,6 @@ static PointsLayout strided_layout(PointsLayout of, uint point_stride, uint coor
 // Three floats for each pixel, one after the other; or x of all pixels, then y, then z.
 static PointsLayout packed_layout(PointsLayout of) { return strided_layout(of, 3u, 1u); }
 static PointsLayout planes_layout(PointsLayout of) { return strided_layout(of, 1u, of.count); }
+GN_INLINE_ON_CPU LaneFloat block_dot(PointBlock a, PointBlock b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
 #endif

@@ -10,7 +10,6 @@ static PointBlock surface_vector(const float* v) { return same_point(v[0], v[1],
 GN_INLINE_ON_CPU PointBlock surface_cross(PointBlock v, PointBlock w) {
     return (PointBlock){v.y * w.z - v.z * w.y, v.z * w.x - v.x * w.z, v.x * w.y - v.y * w.x};
 }
-GN_INLINE_ON_CPU LaneFloat surface_dot(PointBlock v, PointBlock w) { return v.x * w.x + v.y * w.y + v.z * w.z; }
 GN_INLINE_ON_CPU LaneFloat surface_sum(PointBlock v) { return v.x + v.y + v.z; }
 
 // The places of a block's pixels in the picture.
@@ -38,7 +37,7 @@ typedef struct Barycentric {
 // The derivatives where the direction changes by `step`; of_a, of_b, of_c: as in barycentric_of().
 GN_INLINE_ON_CPU PointBlock derivatives(PointBlock of_a, PointBlock of_b, PointBlock of_c, PointBlock step,
                                         PointBlock at, LaneFloat inverse) {
-    PointBlock w = {surface_dot(of_a, step), surface_dot(of_b, step), surface_dot(of_c, step)};
+    PointBlock w = {block_dot(of_a, step), block_dot(of_b, step), block_dot(of_c, step)};
     LaneFloat sum = surface_sum(w);
     return (PointBlock){(w.x - at.x * sum) * inverse, (w.y - at.y * sum) * inverse, (w.z - at.z * sum) * inverse};
 }
@@ -52,7 +51,7 @@ GN_INLINE_ON_CPU Barycentric barycentric_of(const TriangleBlock* t, SurfaceParam
     // An edge as second row: the rounding grows with distance x edge, not with distance squared.
     PointBlock of_a = surface_cross(b, difference(t->c, t->b)), of_b = surface_cross(c, difference(t->a, t->c)),
                of_c = surface_cross(a, difference(t->b, t->a));
-    PointBlock w = {surface_dot(of_a, d), surface_dot(of_b, d), surface_dot(of_c, d)};
+    PointBlock w = {block_dot(of_a, d), block_dot(of_b, d), block_dot(of_c, d)};
     LaneFloat inverse = (LaneFloat)(1.0f) / surface_sum(w);
     PointBlock at = scaled(w, inverse);
     LaneInt known = finite_lanes(inverse) & finite_lanes(surface_sum(at));
@@ -109,7 +108,7 @@ GN_INLINE_ON_CPU PointBlock shading_normals(__global const uint* normals, LaneIn
         LaneInt bits = LANES_GATHER((__global const int*)normals + i, 3 * slots);
         known &= LANE_COMPARE(bits, !=, (LaneInt)(0));
         corners[i] = unpacked_normals(bits);
-        LaneFloat cosine = fabs(surface_dot(corners[i], geometric));
+        LaneFloat cosine = fabs(block_dot(corners[i], geometric));
         least = LANES_MIN(cosine, least);
     }
     LaneFloat sine = one - least * least;
@@ -117,10 +116,10 @@ GN_INLINE_ON_CPU PointBlock shading_normals(__global const uint* normals, LaneIn
     PointBlock n = {corners[0].x * at.x + corners[1].x * at.y + corners[2].x * at.z,
                     corners[0].y * at.x + corners[1].y * at.y + corners[2].y * at.z,
                     corners[0].z * at.x + corners[1].z * at.y + corners[2].z * at.z};
-    LaneFloat size = sqrt(surface_dot(n, n));
+    LaneFloat size = sqrt(block_dot(n, n));
     known &= LANE_COMPARE(size, >, least_size);
     n = (PointBlock){n.x / size, n.y / size, n.z / size};
-    LaneFloat side = surface_dot(n, geometric);
+    LaneFloat side = block_dot(n, geometric);
     known &= LANE_COMPARE(fabs(side), >, least_size);
     PointBlock turned = {-n.x, -n.y, -n.z};
     return selected(geometric, selected(n, turned, LANE_COMPARE(side, <, zero)), known);

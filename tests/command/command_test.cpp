@@ -30,6 +30,7 @@
 
 #include "support/leak_tracer.hpp"
 #include "support/srgb.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace {
 
@@ -57,14 +58,7 @@ std::string text_of(const fs::path& file) {
 /// A folder that lives as long as the test, with the command started inside it.
 class Command : public testing::Test {
 protected:
-    void SetUp() override {
-        std::string pattern = (fs::temp_directory_path() / "gnomon_command_XXXXXX").string();
-        ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-        root_ = pattern;
-        folder_ = root_ / "here";
-        fs::create_directory(folder_);
-    }
-    void TearDown() override { fs::remove_all(root_); }
+    void SetUp() override { fs::create_directory(folder_); }
 
     fs::path in_folder(const std::string& name) const { return folder_ / name; }
 
@@ -140,7 +134,9 @@ protected:
 
     nlohmann::json statistics(const std::string& name) const { return nlohmann::json::parse(text_of(in_folder(name))); }
 
-    fs::path root_, folder_, program_ = GNOMON_BINARY;
+    const support::TemporaryFolder made_;
+    const fs::path root_ = made_.path(), folder_ = root_ / "here";
+    fs::path program_ = GNOMON_BINARY;
 };
 
 // ---- A scene with a known answer ------------------------------------------------------------------------------------

@@ -3,10 +3,8 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -16,6 +14,7 @@
 #include <vector>
 
 #include "scene.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace gltf_file {
 
@@ -163,13 +162,6 @@ inline Gltf indexed_file(int mode, int count = 5) {
 
 class SceneFile : public testing::Test {
 protected:
-    SceneFile() {
-        std::string name = (std::filesystem::temp_directory_path() / "gnomon_scene_test_XXXXXX").string();
-        if (!mkdtemp(name.data())) throw std::runtime_error("no temporary folder");
-        folder = name;
-    }
-    ~SceneFile() override { std::filesystem::remove_all(folder); }
-
     std::filesystem::path write(const std::string& name, const std::string& text) const {
         // A new file each time: ext4 writes a truncated one to the disk at once.
         std::filesystem::remove(folder / name);
@@ -213,7 +205,8 @@ protected:
         EXPECT_EQ(matching, 1u) << words.front() << " in " << testing::PrintToString(scene.warnings);
     }
 
-    std::filesystem::path folder;
+    const support::TemporaryFolder made_;
+    const std::filesystem::path folder = made_.path();
 };
 
 inline bool same_bits(const std::vector<float>& a, const std::vector<float>& b) {

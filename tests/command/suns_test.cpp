@@ -17,6 +17,7 @@
 #include <sstream>
 
 #include "scene/number_table.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace {
 
@@ -27,13 +28,6 @@ constexpr double radians = std::numbers::pi / 180;
 
 class Suns : public testing::Test {
 protected:
-    void SetUp() override {
-        std::string pattern = (fs::temp_directory_path() / "gnomon_suns_XXXXXX").string();
-        ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-        folder_ = pattern;
-    }
-    void TearDown() override { fs::remove_all(folder_); }
-
     fs::path file(const std::string& text) const {
         std::ofstream(folder_ / "suns.csv") << text;
         return folder_ / "suns.csv";
@@ -47,7 +41,8 @@ protected:
         }
     }
 
-    fs::path folder_;
+    const support::TemporaryFolder made_;
+    const fs::path folder_ = made_.path();
 };
 
 /// "2026-06-21T11:35Z" as a Julian day: 2440587.5 is 1970-01-01T00:00Z.

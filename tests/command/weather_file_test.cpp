@@ -13,6 +13,8 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "support/temporary_folder.hpp"
+
 namespace {
 
 using namespace gnomon::app;
@@ -44,13 +46,6 @@ struct MadeEpw {
 
 class WeatherFiles : public testing::Test {
 protected:
-    void SetUp() override {
-        std::string pattern = (fs::temp_directory_path() / "gnomon_weather_XXXXXX").string();
-        ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-        folder_ = pattern;
-    }
-    void TearDown() override { fs::remove_all(folder_); }
-
     fs::path file(const std::string& text) const {
         std::ofstream(folder_ / "made.epw", std::ios::binary) << text;
         return folder_ / "made.epw";
@@ -69,7 +64,8 @@ protected:
         }
     }
 
-    fs::path folder_;
+    const support::TemporaryFolder made_;
+    const fs::path folder_ = made_.path();
 };
 
 std::string replaced(std::string text, const std::string& from, const std::string& to) {

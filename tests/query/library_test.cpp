@@ -20,6 +20,7 @@
 #include "support/environment.hpp"
 #include "support/scene_makers.hpp"
 #include "support/srgb.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace {
 
@@ -756,19 +757,14 @@ TEST(Memory, AllocationsBeyondTheDeviceAreRefusedBeforeTheyAreTried) {
 /// A copy of kernels/ to be broken.
 class OnDiskKernels : public testing::Test {
 protected:
-    void SetUp() override {
-        std::string name = (std::filesystem::temp_directory_path() / "gnomon_kernels_XXXXXX").string();
-        ASSERT_NE(mkdtemp(name.data()), nullptr);
-        folder_ = name;
-        std::filesystem::copy(GNOMON_KERNELS, folder_, std::filesystem::copy_options::recursive);
-    }
-    void TearDown() override { std::filesystem::remove_all(folder_); }
+    void SetUp() override { std::filesystem::copy(GNOMON_KERNELS, folder_, std::filesystem::copy_options::recursive); }
     static void run_something() {
         const Device device;
         EXPECT_EQ(trace(device, Triangles::upload(device, roof), Points::upload(device, ground())), ground_truth());
     }
 
-    std::filesystem::path folder_;
+    const support::TemporaryFolder made_;
+    const std::filesystem::path folder_ = made_.path();
 };
 
 TEST_F(OnDiskKernels, AFolderOfTheSameKernelsWorks) {
