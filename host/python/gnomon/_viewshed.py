@@ -235,8 +235,8 @@ class ViewshedGrid:
     """A raster on the device that is asked for several viewsheds: viewshed() has the arguments, and the rules.
 
     heights: (R, C), metres; NaN, infinite and masked cells have no data. x, y: (C,), (R,): the cells' centres, equally
-    spaced, in either direction; or cell: the cells' size, a number or (width, depth), with row 0 in the north and the centre of
-    the south-westernmost cell at 0, 0.
+    spaced, in either direction; or cell: the cells' size, a number or (width, depth), with row 0 in the north and the
+    centre of the south-westernmost cell at 0, 0.
     """
 
     def __init__(

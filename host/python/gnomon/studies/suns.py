@@ -334,6 +334,22 @@ def _suns_of_table(s: Settings, crs: str | None, zones: NDArray[np.int64]) -> Su
         else:
             assert table.azimuth is not None and table.elevation is not None
             towards = _towards_by_angles(s, s.crs or crs, zones, table.azimuth, table.elevation)
+    notes = {
+        "position": f"sky of {len(weights)} patches" if s.sky else "the table of directions",
+        "suns": len(weights) + left_out,
+        "suns_left_out": left_out,
+    }
+    return _weighed(s, zones, towards, weights, notes)
+
+
+def _weighed(
+    s: Settings,
+    zones: NDArray[np.int64],
+    towards: NDArray[np.float64],
+    weights: NDArray[np.float64],
+    notes: dict[str, Any],
+) -> Suns:
+    """Suns that stand for weights, not for times, 32 to a word."""
     count = len(weights)
     whole, exponent = _gnomon.round_weights(weights)
     return Suns(
@@ -349,11 +365,7 @@ def _suns_of_table(s: Settings, crs: str | None, zones: NDArray[np.int64]) -> Su
         exponent=exponent,
         times=[],
         is_hourly=False,
-        notes={
-            "position": f"sky of {count} patches" if s.sky else "the table of directions",
-            "suns": count + left_out,
-            "suns_left_out": left_out,
-        },
+        notes=notes,
     )
 
 
@@ -394,29 +406,17 @@ def _suns_of_weather(
     sky = _sky_of(file) if {"irradiation", "diffuse"} & {*s.outputs} else (np.empty((0, 3)), np.empty(0))
     is_sky = np.arange(len(true) + len(sky[0])) >= len(true)
     true, weights = np.concatenate([true, sky[0]]), np.concatenate([weights, sky[1]])
-    count = len(weights)
-    whole, exponent = _gnomon.round_weights(weights)
-    return Suns(
-        zones=zones,
-        size=s.zone,
-        towards=np.stack([_stretched(true, jacobian) for jacobian in to_map]).astype(np.float32),
-        word=np.arange(count) // 32,
-        bit=np.arange(count) % 32,
-        word_count=-(-count // 32),
-        seconds=np.zeros(count, np.int64),
-        samples=1,
-        weights=whole,
-        exponent=exponent,
-        times=[],
-        is_hourly=False,
-        notes={
-            "position": "pvlib's SPA at the weather file's place, in the middle of each hour",
-            "weather": repr(file).strip("<>").removeprefix("gnomon.weather.Weather of "),
-            "suns": int(is_sunny.sum()),
-            "suns_left_out": int((is_sunny & ~is_up).sum()),
-            "direct_normal_left_out": f"{file.dni[~is_up].sum() * file.step / 1000:.3g} kWh/m2",
-            "sky": f"{len(sky[0])} parts of Perez' sky by gendaymtx",
-        },
+    notes = {
+        "position": "pvlib's SPA at the weather file's place, in the middle of each hour",
+        "weather": repr(file).strip("<>").removeprefix("gnomon.weather.Weather of "),
+        "suns": int(is_sunny.sum()),
+        "suns_left_out": int((is_sunny & ~is_up).sum()),
+        "direct_normal_left_out": f"{file.dni[~is_up].sum() * file.step / 1000:.3g} kWh/m2",
+        "sky": f"{len(sky[0])} parts of Perez' sky by gendaymtx",
+    }
+    stretched = np.stack([_stretched(true, jacobian) for jacobian in to_map])
+    return dataclasses.replace(
+        _weighed(s, zones, stretched, weights, notes),
         true=true,
         to_map=to_map,
         is_sky=is_sky,
