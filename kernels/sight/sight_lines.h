@@ -42,4 +42,5 @@ GN_STRUCT_BEGIN(SightGrid)
     int eye_height;                                      // steps
     int target_height;                                   // steps above the ground
     int first_column, first_row, last_column, last_row;  // the box of the targets, its end exclusive
-GN_STRUCT_END(SightGrid, 48)
+    int band_first, band_last;                           // the rows that have answers
+GN_STRUCT_END(SightGrid, 56)

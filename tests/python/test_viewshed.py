@@ -103,8 +103,8 @@ def test_the_sweep_changes_no_answer(name):
             eyes, _ = ground.eyes(place[None], [1.0, 40.0][i % 2], [0, 3.0][i % 3 == 0])
         except ValueError:
             continue
-        spans = ground.spans(place[None], None)
-        swept, followed = (grid._device.call(grid._native.look, eyes, spans, sweeps) for sweeps in (True, False))
+        spans = ground.spans(place[None], None, (0, 150))
+        swept, followed = (grid._device.call(grid._native.look, eyes, (0, 150), spans, s) for s in (True, False))
         assert (swept == followed).all(), f"{(swept != followed).sum()} cells of observer {place}"
         shares.append((followed == 1).mean())
     assert len(shares) >= 4 and 0.001 < np.mean(shares) < 0.999

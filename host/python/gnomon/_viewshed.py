@@ -92,23 +92,6 @@ def _per_observer(value: Any, count: int, name: str) -> NDArray[np.float64]:
     return np.broadcast_to(values, (count,))
 
 
-def _parts_of(rows: int) -> list[slice]:
-    return [slice(first, min(first + 64, rows)) for first in range(0, rows, 64)]
-
-
-def _extremes_of(heights: NDArray[Any]) -> tuple[float, float]:
-    """The least and the greatest finite height. Raises ValueError if there is none."""
-    low, high = math.inf, -math.inf
-    for rows in _parts_of(len(heights)):
-        part = heights[rows]
-        is_there = np.isfinite(part)
-        low = min(low, float(part.min(where=is_there, initial=np.inf)))
-        high = max(high, float(part.max(where=is_there, initial=-np.inf)))
-    if low > high:
-        raise ValueError("heights: there is none")
-    return low, high
-
-
 class _Ground:
     """A raster, north up, in whole steps of heights below a common bending; and the same where nodata is filled."""
 
@@ -119,25 +102,18 @@ class _Ground:
         x, y = columns.places(), rows.places()
         self._centre = (x[0] + x[-1]) / 2, (y[0] + y[-1]) / 2
         self._per_square = per_square
-        low, high = _extremes_of(heights)
+        low, high = _gnomon.range_of_heights(heights)
+        if low > high:
+            raise ValueError("heights: there is none")
         low -= float(self.drop(x[0], y[0]))  # the deepest
         self.exponent = _exponent_of(lattice, high - low)
         self.base = math.floor((low + high) / 2)
         self.steps = np.empty(heights.shape, np.int32)
         self.is_absent = np.empty(heights.shape, bool)
-        self.largest_move = 0.0
-        for rows_of_part in _parts_of(rows.size):  # parts stay in the processor's cache
-            bent = heights[rows_of_part].astype(np.float64)
-            bent -= self.base
-            if per_square:
-                bent -= self.drop(x[None, :], y[rows_of_part, None])
-            steps = np.floor(np.ldexp(bent, -self.exponent) + 0.5)
-            is_there = np.isfinite(bent)
-            moved = np.abs(np.ldexp(steps, self.exponent) - bent)
-            self.largest_move = max(self.largest_move, float(moved.max(where=is_there, initial=0)))
-            self.is_absent[rows_of_part] = ~is_there
-            steps[~is_there] = _NONE
-            self.steps[rows_of_part] = steps
+        across, along = (x - self._centre[0]) ** 2, (y - self._centre[1]) ** 2
+        self.largest_move = _gnomon.round_heights(
+            heights, self.base, per_square, across, along, self.exponent, self.steps, self.is_absent
+        )
 
     def drop(self, x: Any, y: Any) -> Any:
         """The depth of the bending: the Earth's curvature less refraction around the raster's centre."""
@@ -200,15 +176,16 @@ class _Ground:
         result: NDArray[np.int64] = -(-(corners * weights).sum(axis=0) // _SUBCELLS)
         return result
 
-    def spans(self, observers: NDArray[np.float64], distance: Any) -> NDArray[np.int32]:
-        """(M, R, 2): the first column of each row within each observer's distance, and the one after the last."""
-        count, rows = len(observers), self.rows.size
+    def spans(self, observers: NDArray[np.float64], distance: Any, band: tuple[int, int]) -> NDArray[np.int32]:
+        """(M, R, 2): the first column of each row of a band within each observer's distance, and the one after the
+        last."""
+        count, rows = len(observers), band[1] - band[0]
         if distance is None:
             return np.broadcast_to(np.array([0, self.columns.size], np.int32), (count, rows, 2)).copy()
         reach = _per_observer(distance, count, "distance")[:, None]
         if (reach < 0).any():
             raise ValueError(f"distance: must be at least 0, not {reach.min():g}")
-        across = self.rows.places()[None, :] - observers[:, 1:2]
+        across = self.rows.places()[None, slice(*band)] - observers[:, 1:2]
         half = np.sqrt(np.maximum(reach**2 - across**2, 0))
         x = self.columns.places()
         first = np.searchsorted(x, observers[:, :1] - half, "left")
@@ -229,6 +206,27 @@ def _exponent_of(lattice: float | None, extent: float) -> int:
     if extent / 2 + 1 > math.ldexp(_LIMIT / 2, exponent - 1):
         raise ValueError(f"lattice: steps of {lattice:g} hold no heights that differ by {extent:g}: take larger ones")
     return exponent - 1
+
+
+def _checked(values: NDArray[Any], nodata: float | None) -> NDArray[Any]:
+    """The heights as float32 or float64, NaN where they are `nodata`. Raises ValueError for a height that stands for no
+    data."""
+    if nodata is not None:
+        is_there = values != nodata
+        real = values.dtype if values.dtype.kind == "f" else np.dtype(np.float64)
+        _arrays.require_heights(values, is_there, "nodata={}")
+        return np.where(is_there, values, np.array(np.nan, real)).astype(_real_of(real), copy=False)
+    if values.dtype in (np.float32, np.float64):
+        low, high = _gnomon.range_of_heights(np.ascontiguousarray(values))
+        if low > -9999 and high < 32767:
+            return values  # no height is one that stands for no data
+    _arrays.require_heights(values, np.ones(values.shape, bool), "nodata={}")
+    return values.astype(_real_of(values.dtype), copy=False)
+
+
+def _real_of(dtype: np.dtype[Any]) -> type[np.float32] | type[np.float64]:
+    """The type of floats that holds all values."""
+    return np.float32 if dtype.kind == "f" and dtype.itemsize <= 4 else np.float64
 
 
 class ViewshedGrid:
@@ -266,16 +264,9 @@ class ViewshedGrid:
             raise ValueError("cell: must be above 0")
         columns = _axis_of(x, values.shape[1], "x", float(width))
         rows = _axis_of(y, values.shape[0], "y", -float(depth))
-        is_there = np.isfinite(values)
-        if nodata is not None:
-            is_there &= values != nodata
-        _arrays.require_heights(values, is_there, "nodata={}")
-        if values.dtype.kind != "f":
-            values = values.astype(np.float64)
-        if not is_there.all():
-            values = np.where(is_there, values, np.nan)
+        heights = np.ascontiguousarray(_turned(_checked(values, nodata), rows, columns))
         per_square = 0.0 if refraction is None else per_square_of(refraction, radius)
-        self._ground = _Ground(_turned(values, rows, columns), rows, columns, per_square, lattice)
+        self._ground = _Ground(heights, rows, columns, per_square, lattice)
         self._device = device_of(device)
         self._native = self._uploaded(self._ground.steps)
         self._filled = functools.lru_cache(maxsize=1)(lambda outside: self._uploaded(self._ground.filled(outside)))
@@ -308,26 +299,52 @@ class ViewshedGrid:
         """viewshed() of this raster."""
         places = _observers_of(observers)
         ground = self._ground
+        found = self.band(
+            (0, ground.rows.size), places, height, target_height, distance, outside=outside, bits=bits, progress=progress
+        )
+        turned = [None if a is None else _turned(a, ground.rows, ground.columns) for a in found[:5]]
+        return found._replace(**dict(zip(Viewshed._fields, turned, strict=False)))
+
+    def band(
+        self,
+        rows: tuple[int, int],
+        places: NDArray[np.float64],
+        height: Any,
+        target_height: Any,
+        distance: Any,
+        *,
+        outside: float | None = None,
+        bits: bool = False,
+        follows: bool = False,
+        progress: Callable[[float], object] | None = None,
+    ) -> Viewshed:
+        """viewshed() of some rows alone, counted from the north and in this order, the end exclusive: what it answers
+        does not depend on them. follows: each line of sight is followed (the same answers)."""
+        ground = self._ground
         eyes, moved = ground.eyes(places, height, target_height)
-        spans = ground.spans(places, distance)
-        shape = (ground.rows.size, ground.columns.size)
+        spans = ground.spans(places, distance, rows)
+        shape = (rows[1] - rows[0], ground.columns.size)
 
         def look(native: Any) -> tuple[NDArray[np.uint32], NDArray[np.uint32]]:
-            counts, words = self._device.call(native.look_from, eyes, spans, bits, progress)
-            return (
-                _turned(counts.reshape(shape), ground.rows, ground.columns),
-                _turned(words.reshape(-1, *shape), ground.rows, ground.columns),
-            )
+            if follows or (len(eyes) == 1 and progress is None):  # one byte a cell is read
+                seen = [self._device.call(native.look, e, rows, s, not follows) == 1 for e, s in zip(eyes, spans)]
+                counts = functools.reduce(np.add, (one.astype(np.uint32) for one in seen))
+                words = np.zeros((-(-len(eyes) // 32), counts.size) if bits else 0, np.uint32)
+                for i, one in enumerate(seen if bits else ()):
+                    words[i // 32] |= one.astype(np.uint32) << np.uint32(i % 32)
+                return counts.reshape(shape), words.reshape(-1, *shape)
+            counts, words = self._device.call(native.look_from, eyes, rows, spans, bits, progress)
+            return counts.reshape(shape), words.reshape(-1, *shape)
 
         counts, words = look(self._native)
-        undecided, open_words = np.zeros_like(counts), np.zeros_like(words)
+        undecided, open_words = np.zeros(counts.shape, np.uint32), np.zeros(words.shape, np.uint32)
+        absent = ground.is_absent[slice(*rows)]
         if outside is not None and ground.is_absent.any():
             certain, certain_words = look(self._filled(float(outside)))
-            is_there = ~_turned(ground.is_absent, ground.rows, ground.columns)
-            certain, certain_words = certain * is_there.astype(np.uint32), certain_words * is_there.astype(np.uint32)
+            is_there = (~absent).astype(np.uint32)
+            certain, certain_words = certain * is_there, certain_words * is_there
             undecided, open_words = counts - certain, words & ~certain_words
             counts, words = certain, certain_words
-        absent = _turned(ground.is_absent, ground.rows, ground.columns)
         record = {**self.record, "observers_moved_by_cells": moved, "outside": outside}
         return Viewshed(
             counts, undecided, absent, words if bits else None, open_words if bits else None, len(places), record
@@ -343,13 +360,26 @@ class ViewshedGrid:
         if len(places) != 1:
             raise ValueError(f"observer: shape {places.shape} is not (2,): least heights are those of one observer")
         ground = self._ground
+        metres = self.band_of_least_heights((0, ground.rows.size), places, height, target_height, distance)
+        return _turned(metres, ground.rows, ground.columns)
+
+    def band_of_least_heights(
+        self,
+        rows: tuple[int, int],
+        places: NDArray[np.float64],
+        height: float,
+        target_height: float,
+        distance: float | None,
+    ) -> NDArray[np.float64]:
+        """least_heights() of some rows alone."""
+        ground = self._ground
         eyes, _ = ground.eyes(places, height, target_height)
-        spans = ground.spans(places, distance)
-        steps = self._device.call(self._native.least_heights, eyes, spans).reshape(ground.steps.shape)
+        spans = ground.spans(places, distance, rows)
+        steps = self._device.call(self._native.least_heights, eyes, rows, spans).reshape(-1, ground.columns.size)
         metres = np.ldexp(steps.astype(np.float64), ground.exponent)
         metres[steps == _NONE] = np.nan
         metres[steps == np.iinfo(np.int32).max] = np.inf
-        return _turned(metres, ground.rows, ground.columns)
+        return metres
 
 
 def _observers_of(observers: Any) -> NDArray[np.float64]:
