@@ -146,10 +146,22 @@ static void decide_exactly(const SightGrid grid, __global const int* heights, __
         (uchar)(is_hidden(grid, heights, patch_tops, nearest, &line) ? SIGHT_HIDDEN : SIGHT_SEEN);
 }
 
+// A line of sight to vertex b of line a crosses one edge since line a - 1 where b grows along it: the greatest v of that
+// point of the diagonal from (a - 1, b) to (a, b - 1).
+GN_INLINE LaneFloat top_before(const SightGrid grid, const SweepQuadrant of, __global const int* heights, int a,
+                               LaneInt b) {
+    float distance = (float)a - (float)of.eye_a / SUBCELLS;
+    LaneFloat u = (LANES_TO_FLOAT(b) - (float)of.eye_b / SUBCELLS) / distance;
+    LaneFloat one = from_eye(grid, heights_on_line(of, heights, a - 1, b));
+    LaneFloat other = from_eye(grid, heights_on_line(of, heights, a, b - 1));
+    LaneFloat v = top_of_edges(one, other, u / (1.0f + u), (float)(a - 1) - (float)of.eye_a / SUBCELLS, a <= NEAR_LINES);
+    return LANES_SELECT((LaneFloat)-INFINITY, v, LANE_COMPARE(u, >, (LaneFloat)0.0f));
+}
+
 // Decides the open targets of line a of which the answer is certain: a wedge's vertex, which counts where `has_vertex`.
 GN_INLINE void decide_targets(const SightGrid grid, const SweepQuadrant of, __global const int* heights,
                               __global const int* patch_tops, __global uchar* answers, int a, LaneInt has_vertex,
-                              LaneFloat top, const Met* met, const Wedges* wedges) {
+                              const Met* met, const Wedges* wedges) {
     LaneFloat over = 1.0f / ((float)a - (float)of.eye_a / SUBCELLS);
     LaneFloat height = from_eye(grid, met->height + grid.target_height), slack = HEIGHT_SLACK * fabs(height);
     LaneFloat low = (height - slack) * over, high = (height + slack) * over;
@@ -157,8 +169,12 @@ GN_INLINE void decide_targets(const SightGrid grid, const SweepQuadrant of, __gl
     has_vertex &= LANE_COMPARE(vertex, >=, (LaneInt)of.first_target_b);
     has_vertex &= LANE_COMPARE(vertex, <=, (LaneInt)of.last_target_b);
     uint hidden = lane_bits(has_vertex & LANE_COMPARE(wedges->reached, >=, high));
-    uint seen = lane_bits(has_vertex & LANE_COMPARE(low, >, top)) & ~hidden;
-    uint near = lane_bits(has_vertex & LANE_COMPARE(low, >, wedges->top_kept[0])) & ~hidden & ~seen;
+    uint near = lane_bits(has_vertex & LANE_COMPARE(low, >, wedges->top_kept[0])) & ~hidden, seen = 0u;
+    if (near != 0u) {
+        LaneFloat top = LANES_MAX(wedges->top, top_before(grid, of, heights, a, vertex));
+        seen = lane_bits(has_vertex & LANE_COMPARE(low, >, top)) & ~hidden;
+        near &= ~seen;
+    }
     long line = of.origin + (long)a * of.line_stride;
     for (uint left = hidden | seen | near; left != 0u;) {
         int lane = take_lane(&left);
@@ -193,7 +209,7 @@ GN_INLINE void sweep_line(const SightGrid grid, const SweepQuadrant of, __global
     LaneInt has_vertex = LANE_COMPARE(left.vertex, <, right.vertex);
     LaneFloat top = LANES_MAX(wedges->top, LANES_MAX(left.top_between, right.top_between));
     if (a >= of.first_line)
-        decide_targets(grid, of, heights, patch_tops, answers, a, has_vertex, top, &left, wedges);
+        decide_targets(grid, of, heights, patch_tops, answers, a, has_vertex, &left, wedges);
     LaneFloat over = 1.0f / ((float)a - (float)of.eye_a / SUBCELLS);
     LaneFloat height = from_eye(grid, left.height), slack = HEIGHT_SLACK * fabs(height);
     LaneFloat low = LANES_MIN(left.low, right.low), high = LANES_MAX(left.high, right.high);
@@ -224,7 +240,7 @@ static int3 on_next_line(int3 ray) {
     return (int3)(ray.x + (part >> PLACE_BITS), part & (PLACES_OF_CELL - 1), ray.z);
 }
 
-// Hides the open targets of lines `a` to `last` from one ray to another, which lie on line a - 1.
+// Hides the cells of lines `a` to `last` from one ray to another, which lie on line a - 1.
 static void hide_targets(const SightGrid grid, const SweepQuadrant of, __global uchar* answers, int a, int last,
                          int3 left, int3 right) {
     for (; a <= last; ++a) {
@@ -235,7 +251,7 @@ static void hide_targets(const SightGrid grid, const SweepQuadrant of, __global 
         int end = min(right.x + (int)(right.y != 0), of.last_target_b + 1);
         long cell = answer_of(grid, of.origin + (long)a * of.line_stride + (long)b * of.vertex_stride);
         for (; b < end; ++b, cell += of.vertex_stride)
-            if (answers[cell] == SIGHT_OPEN) answers[cell] = SIGHT_HIDDEN;
+            answers[cell] = SIGHT_HIDDEN;
     }
 }
 
