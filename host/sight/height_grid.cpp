@@ -112,8 +112,8 @@ void HeightGrid::set_wedges(SweepQuadrant& of) {
     if (of.lines <= 0 || of.first_target_b > of.last_target_b) return;
     constexpr int whole = 1 << U_BITS;
     of.wedge_u = whole / std::max(of.lines, 32);
-    of.first_u = of.wedge_u * 5 / 8 - whole;
-    of.wedges = (whole - 1 - of.first_u) / of.wedge_u;
+    of.first_u = -of.wedge_u * 3 / 8 - whole;  // few rays meet vertices
+    of.wedges = (whole - of.first_u - 1) / of.wedge_u + 1;
     const double near = double(std::max(of.first_line, 1)) - double(of.eye_a) / SUBCELLS;
     const double far = double(of.lines) - double(of.eye_a) / SUBCELLS, eye_b = double(of.eye_b) / SUBCELLS;
     const double low = of.first_target_b - eye_b, high = of.last_target_b - eye_b;

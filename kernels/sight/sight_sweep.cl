@@ -19,6 +19,7 @@
 #define LINES_KEPT 8
 
 #define PLACES_OF_CELL (1 << PLACE_BITS)
+#define U_OF_1 (1 << U_BITS)
 #define FINER_BITS (PLACE_BITS - U_BITS)
 
 // Rays side by side: `u`, and their places on the last line, vertex b and a part of a cell. What follows from u; the
@@ -75,11 +76,11 @@ GN_INLINE void read_line(const SweepQuadrant of, __global const int* heights, in
 
 GN_INLINE Rays rays_from(const SweepQuadrant of, __global const int* heights, int first) {
     Rays rays;
-    rays.u = of.first_u + (LANE_INDEX + first) * of.wedge_u;
+    rays.u = clamp(of.first_u + (LANE_INDEX + first) * of.wedge_u, (LaneInt)-U_OF_1, (LaneInt)U_OF_1);
     LaneInt place = (of.eye_b * (PLACES_OF_CELL / SUBCELLS)) - rays.u * of.eye_a;  // on line 0; at most 2^31
     rays.b = place >> PLACE_BITS;
     rays.part = place & (PLACES_OF_CELL - 1);
-    LaneFloat u = LANES_TO_FLOAT(rays.u) * (1.0f / (1 << U_BITS));
+    LaneFloat u = LANES_TO_FLOAT(rays.u) * (1.0f / U_OF_1);
     rays.over_turn = 1.0f / fabs(u);
     rays.over_sum = 1.0f / (1.0f + u);
     read_line(of, heights, 0, &rays);
@@ -90,7 +91,7 @@ GN_INLINE Rays rays_from(const SweepQuadrant of, __global const int* heights, in
 GN_INLINE void advance(int lines, Rays* rays) {
     LaneInt part = (rays->part >> FINER_BITS) + rays->u * lines;
     rays->b += part >> U_BITS;
-    rays->part = ((part & ((1 << U_BITS) - 1)) << FINER_BITS) + (rays->part & ((1 << FINER_BITS) - 1));
+    rays->part = ((part & (U_OF_1 - 1)) << FINER_BITS) + (rays->part & ((1 << FINER_BITS) - 1));
 }
 
 // The greatest v of points of edges, a share t of the way from height `one` to `other`, at their distances.
@@ -132,7 +133,8 @@ GN_INLINE Met meet_line(const SightGrid grid, const SweepQuadrant of, __global c
     LaneFloat height = new_low + to * (new_high - new_low), slack = HEIGHT_SLACK * (fabs(new_low) + fabs(new_high));
     met.low = (height - slack) * over;
     met.high = (height + slack) * over;
-    LaneInt is_at = LANE_COMPARE(rays->part, ==, (LaneInt)0);
+    // A vertex on a ray is the wedge's behind it, and at u = 1 that of the last one.
+    LaneInt is_at = LANE_COMPARE(rays->part, ==, (LaneInt)0) & LANE_COMPARE(rays->u, !=, (LaneInt)U_OF_1);
     met.vertex = LANES_SELECT(rays->b + 1, rays->b, is_at);
     met.height = LANES_SELECT(rays->high, rays->low, is_at);
     return met;

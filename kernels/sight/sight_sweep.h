@@ -9,7 +9,7 @@
 // nor below the second stays open (docs/viewshed.md).
 //
 // A ray's u is a whole number of 2^-U_BITS, so its places on lines are whole numbers of 2^-PLACE_BITS: no ray is
-// rounded, and each target lies in one wedge.
+// rounded, and each target lies in a wedge.
 #pragma once
 
 #include "sight/sight_lines.h"
@@ -27,7 +27,7 @@ GN_STRUCT_BEGIN(SweepQuadrant)
     int first_target_b, last_target_b;  // those that are targets
     int eye_a, eye_b;     // the eye's place in its cell, sub-cells: below SUBCELLS
     int wedges;
-    int first_u, wedge_u;  // wedge i reaches from first_u + i * wedge_u to first_u + (i + 1) * wedge_u
+    int first_u, wedge_u;  // wedge i reaches from first_u + i * wedge_u to first_u + (i + 1) * wedge_u, within -1 to 1
     int nearest;           // x or y of line 0
     int direction;         // 1: x or y grows with a; -1
     int vertex_of_eye;     // y or x of vertex 0
