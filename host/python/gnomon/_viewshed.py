@@ -229,6 +229,37 @@ def _real_of(dtype: np.dtype[Any]) -> type[np.float32] | type[np.float64]:
     return np.float32 if dtype.kind == "f" and dtype.itemsize <= 4 else np.float64
 
 
+def rounded_ground(
+    heights: Any,
+    *,
+    x: Any = None,
+    y: Any = None,
+    cell: Any = None,
+    nodata: float | None = None,
+    refraction: float | None = REFRACTION,
+    radius: float = EARTH_RADIUS,
+    lattice: float | None = None,
+) -> _Ground:
+    """The raster of a ViewshedGrid, on the host. Raises ValueError with the argument's name."""
+    values = np.asarray(_arrays.on_host(heights, "heights"))
+    side = _gnomon.MAX_GRID_SIDE
+    if values.ndim != 2 or min(values.shape) < 2 or max(values.shape) > side:
+        raise ValueError(f"heights: shape {values.shape} is not (R, C) of 2 to {side} each")
+    _arrays.require_real(values, "heights")
+    if (x is None) != (y is None) or (x is None) == (cell is None):
+        raise ValueError("give either x= and y=, the centres of the cells, or cell=, their size")
+    if not radius > 0 or refraction is not None and not refraction < 1:
+        raise ValueError("radius, refraction: radius must be above 0 and refraction below 1, or None for a plane")
+    width, depth = np.broadcast_to(np.asarray(1.0 if cell is None else cell, np.float64), (2,))
+    if not (width > 0 and depth > 0):
+        raise ValueError("cell: must be above 0")
+    columns = _axis_of(x, values.shape[1], "x", float(width))
+    rows = _axis_of(y, values.shape[0], "y", -float(depth))
+    heights = np.ascontiguousarray(_turned(_checked(values, nodata), rows, columns))
+    per_square = 0.0 if refraction is None else per_square_of(refraction, radius)
+    return _Ground(heights, rows, columns, per_square, lattice)
+
+
 class ViewshedGrid:
     """A raster on the device that is asked for several viewsheds: viewshed() has the arguments, and the rules.
 
@@ -250,23 +281,9 @@ class ViewshedGrid:
         lattice: float | None = None,
         device: str | Device | None = None,
     ) -> None:
-        values = np.asarray(_arrays.on_host(heights, "heights"))
-        side = _gnomon.MAX_GRID_SIDE
-        if values.ndim != 2 or min(values.shape) < 2 or max(values.shape) > side:
-            raise ValueError(f"heights: shape {values.shape} is not (R, C) of 2 to {side} each")
-        _arrays.require_real(values, "heights")
-        if (x is None) != (y is None) or (x is None) == (cell is None):
-            raise ValueError("give either x= and y=, the centres of the cells, or cell=, their size")
-        if not radius > 0 or refraction is not None and not refraction < 1:
-            raise ValueError("radius, refraction: radius must be above 0 and refraction below 1, or None for a plane")
-        width, depth = np.broadcast_to(np.asarray(1.0 if cell is None else cell, np.float64), (2,))
-        if not (width > 0 and depth > 0):
-            raise ValueError("cell: must be above 0")
-        columns = _axis_of(x, values.shape[1], "x", float(width))
-        rows = _axis_of(y, values.shape[0], "y", -float(depth))
-        heights = np.ascontiguousarray(_turned(_checked(values, nodata), rows, columns))
-        per_square = 0.0 if refraction is None else per_square_of(refraction, radius)
-        self._ground = _Ground(heights, rows, columns, per_square, lattice)
+        self._ground = rounded_ground(
+            heights, x=x, y=y, cell=cell, nodata=nodata, refraction=refraction, radius=radius, lattice=lattice
+        )
         self._device = device_of(device)
         self._native = self._uploaded(self._ground.steps)
         self._filled = functools.lru_cache(maxsize=1)(lambda outside: self._uploaded(self._ground.filled(outside)))
@@ -280,6 +297,15 @@ class ViewshedGrid:
     def __reduce__(self) -> Any:
         raise TypeError("a gnomon.ViewshedGrid lies on its device and cannot be copied or pickled: make it from its "
                         "heights in the other process")  # fmt: skip
+
+    @property
+    def device(self) -> Device:
+        return self._device
+
+    @property
+    def ground(self) -> _Ground:
+        """The rounded raster."""
+        return self._ground
 
     def _uploaded(self, steps: NDArray[np.int32]) -> Any:
         make = _gnomon.HeightGrid
