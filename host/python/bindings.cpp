@@ -522,13 +522,13 @@ void bind_rounding(nb::module_& m) {
         const auto range = released([&] { return gnomon::python::range_of(span_of(heights)); });
         return std::pair(range.low, range.high);
     });
-    m.def("round_heights", [](const Heights& heights, double base, double per_square, const Doubles& across,
-                              const Doubles& along, int exponent, const Written<std::int32_t>& steps,
-                              const Written<bool>& absent) {
-        const nb::gil_scoped_release free;
-        const gnomon::python::Rounding rounding{base, per_square, span_of(across), span_of(along), exponent};
-        return gnomon::python::round_heights(span_of(heights), rounding, span_of(steps), span_of(absent));
-    });
+    m.def("round_heights",
+          [](const Heights& heights, double base, double per_square, const Doubles& across, const Doubles& along,
+             int exponent, const Written<std::int32_t>& steps, const Written<bool>& absent) {
+              const nb::gil_scoped_release free;
+              const gnomon::python::Rounding rounding{base, per_square, span_of(across), span_of(along), exponent};
+              return gnomon::python::round_heights(span_of(heights), rounding, span_of(steps), span_of(absent));
+          });
 }
 
 void bind_views(nb::module_& m) {

@@ -85,24 +85,25 @@ double round_heights(std::span<const Height> heights, const Rounding& rounding, 
     const std::size_t columns = rounding.across.size(), rows = rounding.along.size();
     const double step = std::ldexp(1.0, rounding.exponent), steps_of_metre = std::ldexp(1.0, -rounding.exponent);
     std::array<double, 16> largest{};
-    in_parts(rows, std::max<std::size_t>((1 << 16) / columns, 1), [&](std::size_t first, std::size_t end, std::size_t i) {
-        std::array<double, width> moved{}, drops{};
-        for (std::size_t row = first; row < end; ++row)
-            for (std::size_t column = 0; column < columns; column += width) {
-                const std::size_t at = row * columns + column, count = std::min(width, columns - column);
-                for (std::size_t k = 0; k < count; ++k)
-                    drops[k] = rounding.per_square * (rounding.across[column + k] + rounding.along[row]);
-                const auto round = [&](std::size_t n) {
-                    round_piece(&heights[at], n, rounding.base, drops.data(), steps_of_metre, step, &steps[at],
-                                &absent[at], moved);
-                };
-                if (count == width)
-                    round(width);
-                else
-                    round(count);
-            }
-        largest[i] = std::ranges::max(moved);
-    });
+    in_parts(rows, std::max<std::size_t>((1 << 16) / columns, 1),
+             [&](std::size_t first, std::size_t end, std::size_t i) {
+                 std::array<double, width> moved{}, drops{};
+                 for (std::size_t row = first; row < end; ++row)
+                     for (std::size_t column = 0; column < columns; column += width) {
+                         const std::size_t at = row * columns + column, count = std::min(width, columns - column);
+                         for (std::size_t k = 0; k < count; ++k)
+                             drops[k] = rounding.per_square * (rounding.across[column + k] + rounding.along[row]);
+                         const auto round = [&](std::size_t n) {
+                             round_piece(&heights[at], n, rounding.base, drops.data(), steps_of_metre, step, &steps[at],
+                                         &absent[at], moved);
+                         };
+                         if (count == width)
+                             round(width);
+                         else
+                             round(count);
+                     }
+                 largest[i] = std::ranges::max(moved);
+             });
     return std::ranges::max(largest);
 }
 

@@ -94,9 +94,8 @@ SweepQuadrant HeightGrid::quadrant(const SightGrid& grid, bool is_along_y, int d
     of.origin = std::int64_t(line) * of.line_stride + std::int64_t(vertex) * of.vertex_stride;
     std::tie(of.first_line, of.lines) = is_along_y ? from_eye(grid.first_row, grid.last_row, line)
                                                    : from_eye(grid.first_column, grid.last_column, line);
-    std::tie(of.first_target_b, of.last_target_b) = is_along_y
-                                                        ? from_eye(grid.first_column, grid.last_column, vertex)
-                                                        : from_eye(grid.first_row, grid.last_row, vertex);
+    std::tie(of.first_target_b, of.last_target_b) = is_along_y ? from_eye(grid.first_column, grid.last_column, vertex)
+                                                               : from_eye(grid.first_row, grid.last_row, vertex);
     std::tie(of.first_b, of.last_b) = from_eye(0, vertices, vertex);
     of.eye_a = eye_a - line * SUBCELLS;
     of.eye_b = eye_b - vertex * SUBCELLS;
@@ -117,7 +116,8 @@ void HeightGrid::set_wedges(SweepQuadrant& of) {
     const double near = double(std::max(of.first_line, 1)) - double(of.eye_a) / SUBCELLS;
     const double far = double(of.lines) - double(of.eye_a) / SUBCELLS, eye_b = double(of.eye_b) / SUBCELLS;
     const double low = of.first_target_b - eye_b, high = of.last_target_b - eye_b;
-    const double first_u = std::max(low / (low > 0 ? far : near), -1.0), last_u = std::min(high / (high > 0 ? near : far), 1.0);
+    const double first_u = std::max(low / (low > 0 ? far : near), -1.0),
+                 last_u = std::min(high / (high > 0 ? near : far), 1.0);
     const auto wedge_of = [&](double u) { return int(std::floor((u * whole - of.first_u) / of.wedge_u)); };
     const int skipped = std::clamp(wedge_of(first_u) - 1, 0, std::max(of.wedges - 15, 0));
     of.wedges = std::clamp(wedge_of(last_u) + 2 - skipped, 15, of.wedges - skipped);

@@ -148,15 +148,16 @@ static void decide_exactly(const SightGrid grid, __global const int* heights, __
         (uchar)(is_hidden(grid, heights, patch_tops, nearest, &line) ? SIGHT_HIDDEN : SIGHT_SEEN);
 }
 
-// A line of sight to vertex b of line a crosses one edge since line a - 1 where b grows along it: the greatest v of that
-// point of the diagonal from (a - 1, b) to (a, b - 1).
+// A line of sight to vertex b of line a crosses one edge since line a - 1 where b grows along it: the greatest v of
+// that point of the diagonal from (a - 1, b) to (a, b - 1).
 GN_INLINE LaneFloat top_before(const SightGrid grid, const SweepQuadrant of, __global const int* heights, int a,
                                LaneInt b) {
     float distance = (float)a - (float)of.eye_a / SUBCELLS;
     LaneFloat u = (LANES_TO_FLOAT(b) - (float)of.eye_b / SUBCELLS) / distance;
     LaneFloat one = from_eye(grid, heights_on_line(of, heights, a - 1, b));
     LaneFloat other = from_eye(grid, heights_on_line(of, heights, a, b - 1));
-    LaneFloat v = top_of_edges(one, other, u / (1.0f + u), (float)(a - 1) - (float)of.eye_a / SUBCELLS, a <= NEAR_LINES);
+    LaneFloat v =
+        top_of_edges(one, other, u / (1.0f + u), (float)(a - 1) - (float)of.eye_a / SUBCELLS, a <= NEAR_LINES);
     return LANES_SELECT((LaneFloat)-INFINITY, v, LANE_COMPARE(u, >, (LaneFloat)0.0f));
 }
 
@@ -184,8 +185,7 @@ GN_INLINE void decide_targets(const SightGrid grid, const SweepQuadrant of, __gl
         __global uchar* answer = &answers[answer_of(grid, cell)];
         if (*answer != SIGHT_OPEN) continue;
         if (near >> lane & 1u)
-            decide_exactly(grid, heights, patch_tops, answers, cell,
-                           of.nearest + of.direction * wedges->lines_kept[0]);
+            decide_exactly(grid, heights, patch_tops, answers, cell, of.nearest + of.direction * wedges->lines_kept[0]);
         else
             *answer = (uchar)(hidden >> lane & 1u ? SIGHT_HIDDEN : SIGHT_SEEN);
     }
@@ -210,8 +210,7 @@ GN_INLINE void sweep_line(const SightGrid grid, const SweepQuadrant of, __global
 #endif
     LaneInt has_vertex = LANE_COMPARE(left.vertex, <, right.vertex);
     LaneFloat top = LANES_MAX(wedges->top, LANES_MAX(left.top_between, right.top_between));
-    if (a >= of.first_line)
-        decide_targets(grid, of, heights, patch_tops, answers, a, has_vertex, &left, wedges);
+    if (a >= of.first_line) decide_targets(grid, of, heights, patch_tops, answers, a, has_vertex, &left, wedges);
     LaneFloat over = 1.0f / ((float)a - (float)of.eye_a / SUBCELLS);
     LaneFloat height = from_eye(grid, left.height), slack = HEIGHT_SLACK * fabs(height);
     LaneFloat low = LANES_MIN(left.low, right.low), high = LANES_MAX(left.high, right.high);
@@ -252,8 +251,7 @@ static void hide_targets(const SightGrid grid, const SweepQuadrant of, __global 
         int b = max(left.x + (int)(left.y != 0), of.first_target_b);
         int end = min(right.x + (int)(right.y != 0), of.last_target_b + 1);
         long cell = answer_of(grid, of.origin + (long)a * of.line_stride + (long)b * of.vertex_stride);
-        for (; b < end; ++b, cell += of.vertex_stride)
-            answers[cell] = SIGHT_HIDDEN;
+        for (; b < end; ++b, cell += of.vertex_stride) answers[cell] = SIGHT_HIDDEN;
     }
 }
 

@@ -2,11 +2,11 @@
 // Contract of the sweep, which decides most cells of a grid from one eye without following their lines of sight.
 //
 // Seen from the eye, a quadrant is full of rays that meet its lines a = 1, 2, ... (columns or rows). The rays divide
-// it into wedges at most a cell wide at their far end, so that in a wedge a line has at most one vertex. With u = b / a,
-// v = height / a (a, b, height from the eye) an edge of the grid is a straight segment of the (u, v) plane, and a target
-// is hidden if a nearer segment is not below it. A wedge keeps two bounds over all u in it: `top`, which no nearer
-// ground exceeds, and `reached`, which some nearer ground reaches at every u. A target that is neither above the first
-// nor below the second stays open (docs/viewshed.md).
+// it into wedges at most a cell wide at their far end, so that in a wedge a line has at most one vertex. With u = b /
+// a, v = height / a (a, b, height from the eye) an edge of the grid is a straight segment of the (u, v) plane, and a
+// target is hidden if a nearer segment is not below it. A wedge keeps two bounds over all u in it: `top`, which no
+// nearer ground exceeds, and `reached`, which some nearer ground reaches at every u. A target that is neither above the
+// first nor below the second stays open (docs/viewshed.md).
 //
 // A ray's u is a whole number of 2^-U_BITS, so its places on lines are whole numbers of 2^-PLACE_BITS: no ray is
 // rounded, and each target lies in a wedge.
@@ -25,7 +25,7 @@ GN_STRUCT_BEGIN(SweepQuadrant)
     int first_line, lines;              // a of the first and the last line that have targets
     int first_b, last_b;                // the vertices of a line
     int first_target_b, last_target_b;  // those that are targets
-    int eye_a, eye_b;     // the eye's place in its cell, sub-cells: below SUBCELLS
+    int eye_a, eye_b;                   // the eye's place in its cell, sub-cells: below SUBCELLS
     int wedges;
     int first_u, wedge_u;  // wedge i reaches from first_u + i * wedge_u to first_u + (i + 1) * wedge_u, within -1 to 1
     int nearest;           // x or y of line 0

@@ -54,8 +54,9 @@ TEST(HeightGrid, SameAnswersWithEveryKernel) {
         EXPECT_EQ(first.look(eye, all_rows, spans), expected);
         for (const bool gpu_kernels : {false, true})
             for (const bool sweeps : {false, true})
-                EXPECT_EQ(gnomon::HeightGrid(device_of(gpu_kernels), heights, columns).look(eye, all_rows, spans, sweeps),
-                          expected);
+                EXPECT_EQ(
+                    gnomon::HeightGrid(device_of(gpu_kernels), heights, columns).look(eye, all_rows, spans, sweeps),
+                    expected);
         EXPECT_EQ(gnomon::HeightGrid(device_with(3), heights, columns).look(eye, all_rows, spans), expected);
     }
 }

@@ -325,11 +325,10 @@ class ViewshedGrid:
         """viewshed() of this raster."""
         places = _observers_of(observers)
         ground = self._ground
-        found = self.band(
-            (0, ground.rows.size), places, height, target_height, distance, outside=outside, bits=bits, progress=progress
-        )
-        turned = [None if a is None else _turned(a, ground.rows, ground.columns) for a in found[:5]]
-        return found._replace(**dict(zip(Viewshed._fields, turned, strict=False)))
+        rows = (0, ground.rows.size)
+        found = self.band(rows, places, height, target_height, distance, outside=outside, bits=bits, progress=progress)
+        arrays: list[Any] = [None if a is None else _turned(a, ground.rows, ground.columns) for a in found[:5]]
+        return Viewshed._make([*arrays, found.observer_count, found.record])
 
     def band(
         self,
@@ -341,24 +340,20 @@ class ViewshedGrid:
         *,
         outside: float | None = None,
         bits: bool = False,
-        follows: bool = False,
         progress: Callable[[float], object] | None = None,
     ) -> Viewshed:
         """viewshed() of some rows alone, counted from the north and in this order, the end exclusive: what it answers
-        does not depend on them. follows: each line of sight is followed (the same answers)."""
+        does not depend on them."""
         ground = self._ground
         eyes, moved = ground.eyes(places, height, target_height)
         spans = ground.spans(places, distance, rows)
         shape = (rows[1] - rows[0], ground.columns.size)
 
         def look(native: Any) -> tuple[NDArray[np.uint32], NDArray[np.uint32]]:
-            if follows or (len(eyes) == 1 and progress is None):  # one byte a cell is read
-                seen = [self._device.call(native.look, e, rows, s, not follows) == 1 for e, s in zip(eyes, spans)]
-                counts = functools.reduce(np.add, (one.astype(np.uint32) for one in seen))
-                words = np.zeros((-(-len(eyes) // 32), counts.size) if bits else 0, np.uint32)
-                for i, one in enumerate(seen if bits else ()):
-                    words[i // 32] |= one.astype(np.uint32) << np.uint32(i % 32)
-                return counts.reshape(shape), words.reshape(-1, *shape)
+            if len(eyes) == 1 and progress is None:  # a byte a cell is read
+                seen = self._device.call(native.look, eyes, rows, spans, True).reshape(shape)
+                counts = (seen == 1).astype(np.uint32)
+                return counts, counts[None].copy() if bits else np.empty((0, *shape), np.uint32)
             counts, words = self._device.call(native.look_from, eyes, rows, spans, bits, progress)
             return counts.reshape(shape), words.reshape(-1, *shape)
 

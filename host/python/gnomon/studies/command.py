@@ -19,7 +19,6 @@ from .settings import files_of
 from .viewshed import WHAT, observers_of, write_viewshed
 from .viewshed_plan import ViewshedSettings
 
-
 WORKERS = "processes of this host, 'gpus', or the address of a dask scheduler; default: none"
 
 
@@ -64,7 +63,7 @@ def _parser() -> argparse.ArgumentParser:
         write_parser = commands.add_parser(name, help=text)
         write_parser.add_argument("folder", type=Path)
         write_parser.add_argument("output", type=Path, help="the file; for packed bits a folder")
-        write_parser.add_argument("--what", help="sun_hours, sum_of_weights, irradiation, direct, diffuse, lit or suns; seen, counts or heights")
+        write_parser.add_argument("--what", help="a result's name, such as sun_hours, lit or seen; or suns")
         write_parser.set_defaults(function=_write)
     _add_viewshed(commands)
     return parser
@@ -88,9 +87,8 @@ def _add_viewshed(commands: Any) -> None:
     parser.add_argument("--outside", type=float, help="what stands where there is no data is at most this high, m")
     parser.add_argument("--height-unit", help="of the raster's heights; default: what it declares, or metres")
     parser.add_argument(
-        "--folder", type=Path, help="of the study, which is kept: verify and export take it; default: beside the output,"
-        " until that is written",
-    )  # fmt: skip
+        "--folder", type=Path, help="the study's, which is kept for verify and export; default: a passing one"
+    )
     parser.add_argument("--bits", action="store_true", help="keep each answer as packed bits in the folder")
     parser.add_argument("--tile", type=int, metavar="ROWS", help="of a tile; default: as many as have 2^24 cells")
     parser.add_argument("--block", type=int, default=128, help="observers of a task; default: %(default)d")

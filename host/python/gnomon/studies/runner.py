@@ -198,7 +198,7 @@ def _require_main_guard() -> None:
         if statement.lineno <= frame.f_lineno <= (statement.end_lineno or 0):
             raise RuntimeError(
                 f"{file}, line {frame.f_lineno}: the worker processes of workers= import this program and would run "
-                "this line again: put it below if __name__ == \"__main__\":"
+                'this line again: put it below if __name__ == "__main__":'
             )
 
 

@@ -131,8 +131,8 @@ def _dimensions(receivers: Receivers) -> tuple[str, ...]:
 
 
 class Array(NamedTuple):
-    """An empty array of a study. name: `results.zarr/lit` and the like. leading: names and sizes of the dimensions before
-    those of the receivers."""
+    """An empty array of a study. name: `results.zarr/lit` and the like. leading: names and sizes of the dimensions
+    before those of the receivers."""
 
     name: str
     leading: tuple[tuple[str, int], ...]
@@ -149,16 +149,17 @@ def create_arrays(
     chunk = tuple(min(c, n) for c, n in zip(receivers.chunk, shape, strict=True))
     groups = {name: zarr.open_group(str(folder / name), mode="w") for name in (RESULTS, PARTIALS)}
     groups[RESULTS].attrs["title"] = title
-    for group, name in ((a, a.name.split("/")) for a in arrays):
-        array = groups[name[0]].create_array(
-            name[1],
-            shape=(*(n for _, n in group.leading), *shape),
-            chunks=(*(1 for _ in group.leading), *chunk),
-            dtype=group.dtype,
-            fill_value=group.fill,
-            dimension_names=[*(d for d, _ in group.leading), *dims],
+    for array in arrays:
+        group, name = array.name.split("/")
+        made = groups[group].create_array(
+            name,
+            shape=(*(n for _, n in array.leading), *shape),
+            chunks=(*(1 for _ in array.leading), *chunk),
+            dtype=array.dtype,
+            fill_value=array.fill,
+            dimension_names=[*(d for d, _ in array.leading), *dims],
         )
-        array.attrs.update({"grid_mapping": "spatial_ref", **group.attributes})
+        made.attrs.update({"grid_mapping": "spatial_ref", **array.attributes})
     return groups[RESULTS]
 
 
@@ -219,11 +220,12 @@ def _write_coordinates(results: Any, settings: Settings, suns: Suns, receivers: 
             _put(results, name, values[:, axis], ["point"])
     if suns.is_hourly:
         _put(results, "month", np.arange(suns.word_count) // 24 + 1, ["word"])
-        _put(results, "hour", np.arange(suns.word_count) % 24, ["word"], note="local time; bit d - 1 of a word is day d")
+        note = "local time; bit d - 1 of a word is day d"
+        _put(results, "hour", np.arange(suns.word_count) % 24, ["word"], note=note)
     if suns.samples == 1:
         _put(results, "word_of_sun", suns.word, ["sun"])
         _put(results, "bit_of_sun", suns.bit, ["sun"])
     if suns.times:
         seconds = [round(datetime.datetime.fromisoformat(t).timestamp()) for t in suns.times]
-        _put(results, "time", np.array(seconds, np.int64), ["time"], units="seconds since 1970-01-01", calendar="standard",
-             note="the middle of each step, in UTC")  # fmt: skip
+        _put(results, "time", np.array(seconds, np.int64), ["time"], units="seconds since 1970-01-01",
+             calendar="standard", note="the middle of each step, in UTC")  # fmt: skip

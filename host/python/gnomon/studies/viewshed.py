@@ -92,7 +92,7 @@ def export_viewshed(plan: ViewshedPlan, path: Path, what: str | None = None) -> 
     """
     has = [name for name, output in WHAT.items() if output in plan.settings.outputs]
     has = [name for name in has if name != "seen" or len(plan.places) == 1]
-    if (what or (has or [None])[0]) not in has:
+    if not has or (what or has[0]) not in has:
         raise ValueError(f"what: {what!r} is not in this viewshed, which has {', '.join(has) or 'packed bits alone'}")
     what = what or has[0]
     of_tasks = record_of(plan)

@@ -164,9 +164,10 @@ class ViewshedPlan(TiledPlan):
         return values, facts
 
     def wrong_lines(self, tiles: list[int], count: int, random: np.random.Generator) -> tuple[int, list[str]]:
-        """Follows a sample of lines of sight to cells of these tiles, each second one to a cell that is seen, in rational
-        arithmetic: how many, and those whose answers differ."""
-        ground, s, wrong, followed = self.grid.ground, self.settings, [], 0
+        """Follows a sample of lines of sight to cells of these tiles, each second one to a cell that is seen, in
+        rational arithmetic: how many, and those whose answers differ."""
+        ground, s, followed = self.grid.ground, self.settings, 0
+        wrong: list[str] = []
         steps = ground.steps if s.outside is None else ground.filled(s.outside)
         for _ in range(20 * count):  # many an observer sees nothing of a row, for the distance
             if followed == count:
@@ -279,11 +280,11 @@ def _create_arrays(plan: ViewshedPlan) -> None:
                    for name, text in (("seen", "1: the observer sees the cell"),
                                       ("undecided", "1: it is not decided whether the observer sees it"))]  # fmt: skip
     if "counts" in plan.settings.outputs:
-        for name, text in (("counts", "observers that see the cell"), ("undecided_counts", "observers that may see it")):
+        for name, text in (("counts", "observers that see it"), ("undecided_counts", "observers that may see it")):
             arrays.append(Array(f"results.zarr/{name}", (), "uint32", int(NO_COUNT), {"long_name": text}))
             arrays.append(Array(f"partials.zarr/{name}", (blocks,), "uint16", 0, {}))
     if "heights" in plan.settings.outputs:
-        text = {"long_name": "height above the ground from which the cell is seen", "gnomon_units": "m"}
-        arrays.append(Array("results.zarr/least_heights", (("observer", 1),), "float64", float("nan"), text))
+        attributes = {"long_name": "height above the ground from which the cell is seen", "gnomon_units": "m"}
+        arrays.append(Array("results.zarr/least_heights", (("observer", 1),), "float64", float("nan"), attributes))
     results = create_arrays(plan.folder, "Viewshed by gnomon", plan.receivers, ("y", "x"), arrays)
     put_raster_coordinates(results, plan.mosaic, plan.mosaic.crs)
