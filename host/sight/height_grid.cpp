@@ -113,6 +113,7 @@ void HeightGrid::set_wedges(SweepQuadrant& of) {
     of.wedge_u = whole / std::max(of.lines, 32);
     of.first_u = -of.wedge_u * 3 / 8 - whole;  // few rays meet vertices
     of.wedges = (whole - of.first_u - 1) / of.wedge_u + 1;
+    of.last_u = std::abs(of.line_stride) == 1 ? whole : whole - 1;
     const double near = double(std::max(of.first_line, 1)) - double(of.eye_a) / SUBCELLS;
     const double far = double(of.lines) - double(of.eye_a) / SUBCELLS, eye_b = double(of.eye_b) / SUBCELLS;
     const double low = of.first_target_b - eye_b, high = of.last_target_b - eye_b;

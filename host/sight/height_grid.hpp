@@ -31,7 +31,7 @@ public:
     /// The heights of rows x columns cells, in steps; NO_HEIGHT for none. Throws InvalidArgument.
     HeightGrid(const Device& device, std::span<const std::int32_t> heights, std::uint32_t columns);
 
-    /// What the eye sees of each cell: SIGHT_HIDDEN, also for cells outside the spans, SIGHT_SEEN or SIGHT_ABSENT.
+    /// What the eye sees of each cell: SIGHT_SEEN or SIGHT_HIDDEN, also for cells outside the spans or without height.
     /// `sweeps`: most cells are decided by the sweep (the same answers).
     std::vector<std::uint8_t> look(const Eye& eye, const Band& band, Spans spans, bool sweeps = true);
     /// The least height above the ground, from the targets' on, at which each cell is seen, in steps; NO_HEIGHT for

@@ -17,7 +17,7 @@ __kernel void sight_patches(const SightGrid grid, __global const int* heights, _
 }
 
 // Opens the targets: the cells with a height in columns spans[2 i] to spans[2 i + 1] (exclusive) of row i of the band.
-// Others are hidden, or absent. An item takes OPENED cells of a row.
+// Others are hidden. An item takes OPENED cells of a row.
 __kernel void sight_begin(const SightGrid grid, __global const int* heights, __global const int* spans,
                           __global uchar* answers) {
     int pieces = (grid.columns + OPENED - 1) / OPENED;
@@ -27,8 +27,8 @@ __kernel void sight_begin(const SightGrid grid, __global const int* heights, __g
         __global uchar* answers_of_row = answers + row * (size_t)grid.columns;
         int first_target = spans[2 * row], last_target = spans[2 * row + 1];
         for (int x = first; x < end; ++x) {
-            uint answer = x >= first_target && x < last_target ? SIGHT_OPEN : SIGHT_HIDDEN;
-            answers_of_row[x] = (uchar)(of_row[x] == NO_HEIGHT ? SIGHT_ABSENT : answer);
+            bool is_target = x >= first_target && x < last_target && of_row[x] != NO_HEIGHT;
+            answers_of_row[x] = (uchar)(is_target ? SIGHT_OPEN : SIGHT_HIDDEN);
         }
     }
 }

@@ -33,7 +33,6 @@
 #define SIGHT_HIDDEN 0u
 #define SIGHT_SEEN 1u
 #define SIGHT_OPEN 2u
-#define SIGHT_ABSENT 3u
 
 GN_STRUCT_BEGIN(SightGrid)
     int columns, rows;

@@ -76,7 +76,7 @@ GN_INLINE void read_line(const SweepQuadrant of, __global const int* heights, in
 
 GN_INLINE Rays rays_from(const SweepQuadrant of, __global const int* heights, int first) {
     Rays rays;
-    rays.u = clamp(of.first_u + (LANE_INDEX + first) * of.wedge_u, (LaneInt)-U_OF_1, (LaneInt)U_OF_1);
+    rays.u = clamp(of.first_u + (LANE_INDEX + first) * of.wedge_u, (LaneInt)-of.last_u, (LaneInt)of.last_u);
     LaneInt place = (of.eye_b * (PLACES_OF_CELL / SUBCELLS)) - rays.u * of.eye_a;  // on line 0; at most 2^31
     rays.b = place >> PLACE_BITS;
     rays.part = place & (PLACES_OF_CELL - 1);

@@ -27,12 +27,12 @@ GN_STRUCT_BEGIN(SweepQuadrant)
     int first_target_b, last_target_b;  // those that are targets
     int eye_a, eye_b;                   // the eye's place in its cell, sub-cells: below SUBCELLS
     int wedges;
-    int first_u, wedge_u;  // wedge i reaches from first_u + i * wedge_u to first_u + (i + 1) * wedge_u, within -1 to 1
-    int nearest;           // x or y of line 0
-    int direction;         // 1: x or y grows with a; -1
-    int vertex_of_eye;     // y or x of vertex 0
-    int end_group;         // of the groups of wedges of this quadrant and those before it
-    int padding;
+    int first_u, wedge_u;  // wedge i reaches from first_u + i * wedge_u to first_u + (i + 1) * wedge_u, but not beyond
+    int last_u;         // -last_u and last_u: 1 where lines are columns, else below it, so that a diagonal has one side
+    int nearest;        // x or y of line 0
+    int direction;      // 1: x or y grows with a; -1
+    int vertex_of_eye;  // y or x of vertex 0
+    int end_group;      // of the groups of wedges of this quadrant and those before it
 GN_STRUCT_END(SweepQuadrant, 80)
 
 GN_STRUCT_BEGIN(SweepQuadrants)
