@@ -36,6 +36,9 @@ HeightGrid::HeightGrid(const Device& device, std::span<const std::int32_t> heigh
     const std::size_t patches = std::size_t(grid_.patch_columns) * std::size_t(grid_.patch_rows);
     patch_tops_.reserve(session, patches * sizeof(cl_int));
     session.launch(lines_file, "sight_patches", cl::Range::items(patches), grid_, heights_, patch_tops_);
+    targets_.reserve(session, heights.size());
+    session.launch(lines_file, "sight_targets", cl::Range::items(heights.size()), cl_ulong(heights.size()), heights_,
+                   targets_);
 }
 
 // The box of the targets.
@@ -72,7 +75,7 @@ SightGrid HeightGrid::begin(const Eye& eye, const Band& band, Spans spans) {
     cl::Session& session = session_of(device_);
     session.upload(spans_, spans);
     answers_.reserve(session, cells_of(band));
-    session.launch(lines_file, "sight_begin", cl::Range::items(cells_of(band) / 16 + 1), grid, heights_, spans_,
+    session.launch(lines_file, "sight_begin", cl::Range::items(cells_of(band) / 16 + 1), grid, targets_, spans_,
                    answers_);
     return grid;
 }
@@ -125,14 +128,15 @@ void HeightGrid::set_wedges(SweepQuadrant& of) {
     of.first_u += skipped * of.wedge_u;
 }
 
-void HeightGrid::decide(const SightGrid& grid, bool sweeps) {
+void HeightGrid::decide(const SightGrid& grid, bool sweeps, const SightSum& sum, const cl::Buffer& counts,
+                        const cl::Buffer& words) {
     cl::Session& session = session_of(device_);
     if (sweeps) {
         const int wedges_of_group = session.is_cpu() ? int(session.lanes()) - 1 : 1;
         SweepQuadrants quadrants{};
         int groups = 0;
         for (int i = 0; i < 4; ++i) {
-            SweepQuadrant& of = quadrants.of[i] = quadrant(grid, i / 2 != 0, i % 2 != 0 ? -1 : 1);
+            SweepQuadrant& of = quadrants.of[i] = quadrant(grid, i / 2 == 0, i % 2 != 0 ? -1 : 1);
             groups += (of.wedges + wedges_of_group - 1) / wedges_of_group;
             of.end_group = groups;
         }
@@ -140,7 +144,8 @@ void HeightGrid::decide(const SightGrid& grid, bool sweeps) {
                        heights_, patch_tops_, answers_);
     }
     const std::size_t targets = std::size_t(grid.band_last - grid.band_first) * std::size_t(grid.columns);
-    session.launch(lines_file, "sight_decide", cl::Range::shares(targets), grid, heights_, patch_tops_, answers_);
+    session.launch(lines_file, "sight_decide", cl::Range::shares(targets), grid, sum, heights_, patch_tops_, answers_,
+                   counts, words);
 }
 
 HeightGrid::Band HeightGrid::checked(const Band& band, Spans spans, std::size_t eyes) const {
@@ -152,8 +157,10 @@ HeightGrid::Band HeightGrid::checked(const Band& band, Spans spans, std::size_t 
 }
 
 std::vector<std::uint8_t> HeightGrid::look(const Eye& eye, const Band& band, Spans spans, bool sweeps) {
-    decide(begin(eye, checked(band, spans, 1), spans), sweeps);
-    return session_of(device_).read_values<std::uint8_t>(answers_.get(), cells_of(band));
+    cl::Session& session = session_of(device_);
+    const cl::Buffer none(session, sizeof(cl_uint));
+    decide(begin(eye, checked(band, spans, 1), spans), sweeps, {}, none, none);
+    return session.read_values<std::uint8_t>(answers_.get(), cells_of(band));
 }
 
 std::vector<std::int32_t> HeightGrid::least_heights(const Eye& eye, const Band& band, Spans spans) {
@@ -176,9 +183,8 @@ HeightGrid::Seen HeightGrid::look_from(std::span<const Eye> eyes, const Band& ba
     Seen seen;
     for (std::size_t i = 0; i < eyes.size(); ++i) {
         if (wants_words && i % 32 == 0) session.reserve_filled(words, 0, cells * sizeof(cl_uint));
-        decide(begin(eyes[i], band, spans.subspan(i * each, each)), true);
-        session.launch(lines_file, "sight_add", cl::Range::items(cells), cl_ulong(cells), cl_uint(i % 32),
-                       cl_uint(wants_words), answers_, counts, words);
+        decide(begin(eyes[i], band, spans.subspan(i * each, each)), true, {cl_uint(i % 32), 1, cl_uint(wants_words)},
+               counts, words);
         if (wants_words && (i % 32 == 31 || i + 1 == eyes.size())) {
             const auto plane = session.read_values<std::uint32_t>(words.get(), cells);
             seen.words.insert(seen.words.end(), plane.begin(), plane.end());

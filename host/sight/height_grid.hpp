@@ -52,7 +52,8 @@ private:
     Band checked(const Band& band, Spans spans, std::size_t eyes) const;
     void set_box(SightGrid& grid, Spans spans) const;
     SightGrid begin(const Eye& eye, const Band& band, Spans spans);
-    void decide(const SightGrid& grid, bool sweeps);
+    void decide(const SightGrid& grid, bool sweeps, const SightSum& sum, const cl::Buffer& counts,
+                const cl::Buffer& words);
     static SweepQuadrant quadrant(const SightGrid& grid, bool is_along_y, int direction);
     static void set_wedges(SweepQuadrant& of);
     std::size_t cells_of(const Band& band) const {
@@ -61,7 +62,7 @@ private:
 
     Device device_;
     SightGrid grid_{};
-    cl::Buffer heights_, patch_tops_, spans_, answers_;
+    cl::Buffer heights_, targets_, patch_tops_, spans_, answers_;
 };
 
 }  // namespace gnomon

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Decides the open cells of a grid, one line of sight each; finds the heights from which cells are seen; sums answers.
+// Decides the open cells of a grid, one line of sight each; finds the heights from which cells are seen; adds answers
+// up.
 #include "sight/sight_lines.clh"
 
 #define OPENED 16
@@ -16,43 +17,58 @@ __kernel void sight_patches(const SightGrid grid, __global const int* heights, _
     }
 }
 
-// Opens the targets: the cells with a height in columns spans[2 i] to spans[2 i + 1] (exclusive) of row i of the band.
-// Others are hidden. An item takes OPENED cells of a row.
-__kernel void sight_begin(const SightGrid grid, __global const int* heights, __global const int* spans,
+// Whether each cell can be a target: SIGHT_OPEN where it has a height.
+__kernel void sight_targets(ulong count, __global const int* heights, __global uchar* targets) {
+    GN_FOR_EACH(i, count) targets[i] = (uchar)(heights[i] == NO_HEIGHT ? SIGHT_HIDDEN : SIGHT_OPEN);
+}
+
+// Opens the targets in columns spans[2 i] to spans[2 i + 1] (exclusive) of row i of the band. Others are hidden. An
+// item takes OPENED cells of a row.
+__kernel void sight_begin(const SightGrid grid, __global const uchar* targets, __global const int* spans,
                           __global uchar* answers) {
     int pieces = (grid.columns + OPENED - 1) / OPENED;
     GN_FOR_EACH(i, (grid.band_last - grid.band_first) * (size_t)pieces) {
         int row = (int)(i / pieces), first = (int)(i % pieces) * OPENED, end = min(first + OPENED, grid.columns);
-        __global const int* of_row = heights + (grid.band_first + row) * (size_t)grid.columns;
+        __global const uchar* of_row = targets + (grid.band_first + row) * (size_t)grid.columns;
         __global uchar* answers_of_row = answers + row * (size_t)grid.columns;
-        int first_target = spans[2 * row], last_target = spans[2 * row + 1];
-        for (int x = first; x < end; ++x) {
-            bool is_target = x >= first_target && x < last_target && of_row[x] != NO_HEIGHT;
-            answers_of_row[x] = (uchar)(is_target ? SIGHT_OPEN : SIGHT_HIDDEN);
+        int first_target = spans[2 * row], end_target = spans[2 * row + 1];
+        if (first >= first_target && end <= end_target && end == first + OPENED) {
+            vstore16(vload16(0, of_row + first), 0, answers_of_row + first);
+            continue;
         }
+        for (int x = first; x < end; ++x)
+            answers_of_row[x] = (uchar)(x >= first_target && x < end_target ? of_row[x] : SIGHT_HIDDEN);
     }
 }
 
+// Decides a cell of the band if it is open. If it is seen, one is added to its count, and its bit is set in its word.
 static void decide_cell(const SightGrid grid, __global const int* heights, __global const int* patch_tops,
-                        __global uchar* answers, size_t i) {
-    if (answers[i] != SIGHT_OPEN) return;
-    size_t cell = i + grid.band_first * (size_t)grid.columns;
-    SightLine line = sight_line(grid, (int)(cell % grid.columns), (int)(cell / grid.columns), heights[cell]);
-    answers[i] = (uchar)(is_hidden_anywhere(grid, heights, patch_tops, &line) ? SIGHT_HIDDEN : SIGHT_SEEN);
+                        __global uchar* answers, SightSum sum, __global uint* counts, __global uint* words, size_t i) {
+    if (answers[i] == SIGHT_OPEN) {
+        size_t cell = i + grid.band_first * (size_t)grid.columns;
+        SightLine line = sight_line(grid, (int)(cell % grid.columns), (int)(cell / grid.columns), heights[cell]);
+        answers[i] = (uchar)(is_hidden_anywhere(grid, heights, patch_tops, &line) ? SIGHT_HIDDEN : SIGHT_SEEN);
+    }
+    if (answers[i] != SIGHT_SEEN) return;
+    if (sum.has_counts) ++counts[i];
+    if (sum.has_words) words[i] |= 1u << sum.bit;
 }
 
-// Decides the cells of the band that are open. On a CPU eight cells are passed over at once.
-__kernel void sight_decide(const SightGrid grid, __global const int* heights, __global const int* patch_tops,
-                           __global uchar* answers GN_SHARES) {
+// Decides the cells of the band that are open, and adds the eye's answers to the sums. On a CPU hidden cells are passed
+// over, eight at once.
+__kernel void sight_decide(const SightGrid grid, const SightSum sum, __global const int* heights,
+                           __global const int* patch_tops, __global uchar* answers, __global uint* counts,
+                           __global uint* words GN_SHARES) {
     size_t count = (grid.band_last - grid.band_first) * (size_t)grid.columns;
 #ifdef GN_CPU
     GN_FOR_EACH_OF(i, GN_SHARED_RANGE((count + 7) / 8)) {
-        if (8 * i + 8 <= count && !any(vload8(i, answers) == (uchar8)(SIGHT_OPEN))) continue;
-        for (size_t k = 8 * i; k < min(8 * i + 8, count); ++k) decide_cell(grid, heights, patch_tops, answers, k);
+        if (8 * i + 8 <= count && as_ulong(vload8(i, answers)) == 0) continue;  // all are SIGHT_HIDDEN
+        for (size_t k = 8 * i; k < min(8 * i + 8, count); ++k)
+            decide_cell(grid, heights, patch_tops, answers, sum, counts, words, k);
     }
 #else
     GN_FOR_EACH_OF(i, GN_SHARED_RANGE(count))
-    decide_cell(grid, heights, patch_tops, answers, i);
+    decide_cell(grid, heights, patch_tops, answers, sum, counts, words, i);
 #endif
     GN_END_SHARES;
 }
@@ -72,14 +88,4 @@ __kernel void sight_heights(const SightGrid grid, __global const int* heights, _
         least[i] = line.height == HIGHEST_TARGET ? INT_MAX : (int)min(above_ground, (long)INT_MAX);
     }
     GN_END_SHARES;
-}
-
-// Adds an eye's answers: one to the count of each seen cell, and, where there are words, its bit.
-__kernel void sight_add(ulong count, uint bit, uint has_words, __global const uchar* answers, __global uint* counts,
-                        __global uint* words) {
-    GN_FOR_EACH(i, count) {
-        if (answers[i] != SIGHT_SEEN) continue;
-        ++counts[i];
-        if (has_words) words[i] |= 1u << bit;
-    }
 }

@@ -43,3 +43,8 @@ GN_STRUCT_BEGIN(SightGrid)
     int first_column, first_row, last_column, last_row;  // the box of the targets, its end exclusive
     int band_first, band_last;                           // the rows that have answers
 GN_STRUCT_END(SightGrid, 56)
+
+// Where an eye's answers are added: the counts of each cell, and bit `bit` of its word.
+GN_STRUCT_BEGIN(SightSum)
+    uint bit, has_counts, has_words;
+GN_STRUCT_END(SightSum, 12)

@@ -17,6 +17,7 @@
 // Every so many lines the bounds are kept: a target near the edge of what is seen is compared with the bounds of some
 // lines earlier, and exactly with the ground since.
 #define LINES_KEPT 8
+#define FAR_LINES_KEPT 64
 
 #define PLACES_OF_CELL (1 << PLACE_BITS)
 #define U_OF_1 (1 << U_BITS)
@@ -38,8 +39,8 @@ typedef struct Met {
 
 // Wedges between neighbouring rays: on a CPU the last lane is the last wedge's far ray alone.
 typedef struct Wedges {
-    LaneFloat top, reached, top_kept[2];  // of lines_kept
-    int lines_kept[2];                    // the earlier one first
+    LaneFloat top, reached, top_kept[2], top_far[2];  // of lines_kept and lines_far, the earlier ones first
+    int lines_kept[2], lines_far[2];
     Rays left;
 #if GN_LANES == 1
     Rays right;
@@ -172,7 +173,8 @@ GN_INLINE void decide_targets(const SightGrid grid, const SweepQuadrant of, __gl
     has_vertex &= LANE_COMPARE(vertex, >=, (LaneInt)of.first_target_b);
     has_vertex &= LANE_COMPARE(vertex, <=, (LaneInt)of.last_target_b);
     uint hidden = lane_bits(has_vertex & LANE_COMPARE(wedges->reached, >=, high));
-    uint near = lane_bits(has_vertex & LANE_COMPARE(low, >, wedges->top_kept[0])) & ~hidden, seen = 0u;
+    uint near = lane_bits(has_vertex & LANE_COMPARE(low, >, wedges->top_far[0])) & ~hidden, seen = 0u;
+    uint nearest = lane_bits(LANE_COMPARE(low, >, wedges->top_kept[0]));
     if (near != 0u) {
         LaneFloat top = LANES_MAX(wedges->top, top_before(grid, of, heights, a, vertex));
         seen = lane_bits(has_vertex & LANE_COMPARE(low, >, top)) & ~hidden;
@@ -184,8 +186,9 @@ GN_INLINE void decide_targets(const SightGrid grid, const SweepQuadrant of, __gl
         long cell = line + (long)LANE_OF_INT(vertex, lane) * of.vertex_stride;
         __global uchar* answer = &answers[answer_of(grid, cell)];
         if (*answer != SIGHT_OPEN) continue;
+        int kept = nearest >> lane & 1u ? wedges->lines_kept[0] : wedges->lines_far[0];
         if (near >> lane & 1u)
-            decide_exactly(grid, heights, patch_tops, answers, cell, of.nearest + of.direction * wedges->lines_kept[0]);
+            decide_exactly(grid, heights, patch_tops, answers, cell, of.nearest + of.direction * kept);
         else
             *answer = (uchar)(hidden >> lane & 1u ? SIGHT_HIDDEN : SIGHT_SEEN);
     }
@@ -196,6 +199,11 @@ GN_INLINE void keep_bounds(int a, Wedges* wedges) {
     wedges->top_kept[1] = wedges->top;
     wedges->lines_kept[0] = wedges->lines_kept[1];
     wedges->lines_kept[1] = a;
+    if (a % FAR_LINES_KEPT != 0) return;
+    wedges->top_far[0] = wedges->top_far[1];
+    wedges->top_far[1] = wedges->top;
+    wedges->lines_far[0] = wedges->lines_far[1];
+    wedges->lines_far[1] = a;
 }
 
 // Decides the targets of line a, and takes the line into the wedges.
@@ -279,7 +287,6 @@ GN_INLINE bool skip_lines(const SightGrid grid, const SweepQuadrant of, __global
     wedges->right = right;
 #endif
     keep_bounds(last, wedges);
-    keep_bounds(last, wedges);
     return true;
 }
 
@@ -287,8 +294,11 @@ GN_INLINE bool skip_lines(const SightGrid grid, const SweepQuadrant of, __global
 GN_NOINLINE_ON_CPU void sweep_wedges(const SightGrid grid, const SweepQuadrant of, __global const int* heights,
                                      __global const int* patch_tops, __global uchar* answers, int first) {
     Wedges wedges;
-    wedges.top = wedges.reached = wedges.top_kept[0] = wedges.top_kept[1] = (LaneFloat)-INFINITY;
-    wedges.lines_kept[0] = wedges.lines_kept[1] = 0;
+    wedges.top = wedges.reached = (LaneFloat)-INFINITY;
+    for (int i = 0; i < 2; ++i) {
+        wedges.top_kept[i] = wedges.top_far[i] = (LaneFloat)-INFINITY;
+        wedges.lines_kept[i] = wedges.lines_far[i] = 0;
+    }
     wedges.left = rays_from(of, heights, first);
 #if GN_LANES == 1
     wedges.right = rays_from(of, heights, first + 1);
