@@ -491,7 +491,7 @@ void bind_sight(nb::module_& m) {
             [](HeightGrid* self, const gnomon::Device& device, const Integers& heights) {
                 new (self) HeightGrid(device, span_of(heights), std::uint32_t(heights.shape(1)));
             },
-            Released())
+            nb::keep_alive<1, 3>(), "device"_a, "heights"_a.noconvert(), Released())
         .def("look",
              [](HeightGrid& grid, const Integers& eye, const Rows& rows, const Integers& spans, bool sweeps) {
                  return row_of(

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "cl/opencl.hpp"
 #include "query/inputs.hpp"
 
 namespace gnomon {
@@ -20,25 +21,45 @@ int floor_divided(int a, int b) { return a / b - int(a % b < 0); }
 
 }  // namespace
 
+void HeightGrid::Release::operator()(cl_mem memory) const { clReleaseMemObject(memory); }
+
 HeightGrid::HeightGrid(const Device& device, std::span<const std::int32_t> heights, std::uint32_t columns)
     : device_(device) {
     require(columns >= 2 && columns <= MAX_GRID_SIDE && heights.size() % columns == 0 &&
                 heights.size() / columns >= 2 && heights.size() / columns <= MAX_GRID_SIDE,
             "heights: a grid has 2 to 16384 rows and columns");
-    require(std::ranges::all_of(heights, [](int h) { return h == NO_HEIGHT || std::abs(h) < MAX_GRID_HEIGHT; }),
-            "heights: must be below 2^25 steps");
     grid_.columns = int(columns);
     grid_.rows = int(heights.size() / columns);
     grid_.patch_columns = (grid_.columns + SIGHT_PATCH - 1) / SIGHT_PATCH;
     grid_.patch_rows = (grid_.rows + SIGHT_PATCH - 1) / SIGHT_PATCH;
     cl::Session& session = session_of(device_);
-    session.upload(heights_, heights);
+    share(heights);
     const std::size_t patches = std::size_t(grid_.patch_columns) * std::size_t(grid_.patch_rows);
     patch_tops_.reserve(session, patches * sizeof(cl_int));
-    session.launch(lines_file, "sight_patches", cl::Range::items(patches), grid_, heights_, patch_tops_);
-    targets_.reserve(session, heights.size());
-    session.launch(lines_file, "sight_targets", cl::Range::items(heights.size()), cl_ulong(heights.size()), heights_,
-                   targets_);
+    cl::Buffer found;
+    session.reserve_filled(found, 0, sizeof(cl_uint));
+    session.launch(lines_file, "sight_patches", cl::Range::items(patches), grid_, heights_.get(), patch_tops_, found);
+    const auto what = session.read_value<cl_uint>(found);
+    require((what & FOUND_WRONG) == 0, "heights: must be below 2^25 steps");
+    has_absent_ = (what & FOUND_ABSENT) != 0;
+    targets_.reserve(session, has_absent_ ? heights.size() : 1);
+    if (!has_absent_) return;
+    session.launch(lines_file, "sight_targets", cl::Range::items(heights.size()), cl_ulong(heights.size()),
+                   heights_.get(), targets_);
+}
+
+// A device that shares the host's memory reads the heights where they are.
+void HeightGrid::share(std::span<const std::int32_t> heights) {
+    cl::Session& session = session_of(device_);
+    if (device_.description().shares_host_memory) {
+        cl_int code;
+        heights_.reset(clCreateBuffer(session.context(), CL_MEM_USE_HOST_PTR | CL_MEM_READ_ONLY, heights.size_bytes(),
+                                      const_cast<std::int32_t*>(heights.data()), &code));
+        if (code == CL_SUCCESS) return;
+    }
+    session.upload(copy_, heights);
+    heights_.reset(copy_.get());
+    clRetainMemObject(heights_.get());
 }
 
 // The box of the targets.
@@ -75,8 +96,8 @@ SightGrid HeightGrid::begin(const Eye& eye, const Band& band, Spans spans) {
     cl::Session& session = session_of(device_);
     session.upload(spans_, spans);
     answers_.reserve(session, cells_of(band));
-    session.launch(lines_file, "sight_begin", cl::Range::items(cells_of(band) / 16 + 1), grid, targets_, spans_,
-                   answers_);
+    session.launch(lines_file, "sight_begin", cl::Range::items(cells_of(band) / 16 + 1), grid, cl_uint(has_absent_),
+                   targets_, spans_, answers_);
     return grid;
 }
 
@@ -141,11 +162,11 @@ void HeightGrid::decide(const SightGrid& grid, bool sweeps, const SightSum& sum,
             of.end_group = groups;
         }
         session.launch("sight/sight_sweep.cl", "sight_sweep", cl::Range::shares(std::size_t(groups)), grid, quadrants,
-                       heights_, patch_tops_, answers_);
+                       heights_.get(), patch_tops_, answers_);
     }
     const std::size_t targets = std::size_t(grid.band_last - grid.band_first) * std::size_t(grid.columns);
-    session.launch(lines_file, "sight_decide", cl::Range::shares(targets), grid, sum, heights_, patch_tops_, answers_,
-                   counts, words);
+    session.launch(lines_file, "sight_decide", cl::Range::shares(targets), grid, sum, heights_.get(), patch_tops_,
+                   answers_, counts, words);
 }
 
 HeightGrid::Band HeightGrid::checked(const Band& band, Spans spans, std::size_t eyes) const {
@@ -168,7 +189,8 @@ std::vector<std::int32_t> HeightGrid::least_heights(const Eye& eye, const Band& 
     cl::Session& session = session_of(device_);
     const std::size_t cells = cells_of(band);
     const cl::Buffer least(session, cells * sizeof(cl_int));
-    session.launch(lines_file, "sight_heights", cl::Range::shares(cells), grid, heights_, patch_tops_, answers_, least);
+    session.launch(lines_file, "sight_heights", cl::Range::shares(cells), grid, heights_.get(), patch_tops_, answers_,
+                   least);
     return session.read_values<std::int32_t>(least.get(), cells);
 }
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -28,7 +29,8 @@ public:
         std::int32_t first_row, last_row;
     };
 
-    /// The heights of rows x columns cells, in steps; NO_HEIGHT for none. Throws InvalidArgument.
+    /// The heights of rows x columns cells, in steps; NO_HEIGHT for none. They must stay where and as they are: a
+    /// device that shares the host's memory has no copy. Throws InvalidArgument.
     HeightGrid(const Device& device, std::span<const std::int32_t> heights, std::uint32_t columns);
 
     /// What the eye sees of each cell: SIGHT_SEEN or SIGHT_HIDDEN, also for cells outside the spans or without height.
@@ -49,6 +51,7 @@ public:
                    const std::function<bool(double)>& progress = {});
 
 private:
+    void share(std::span<const std::int32_t> heights);
     Band checked(const Band& band, Spans spans, std::size_t eyes) const;
     void set_box(SightGrid& grid, Spans spans) const;
     SightGrid begin(const Eye& eye, const Band& band, Spans spans);
@@ -62,7 +65,12 @@ private:
 
     Device device_;
     SightGrid grid_{};
-    cl::Buffer heights_, targets_, patch_tops_, spans_, answers_;
+    struct Release {
+        void operator()(cl_mem memory) const;
+    };
+    std::unique_ptr<std::remove_pointer_t<cl_mem>, Release> heights_;
+    bool has_absent_ = false;
+    cl::Buffer copy_, targets_, patch_tops_, spans_, answers_;  ///< copy_: of the heights, on devices with own memory
 };
 
 }  // namespace gnomon

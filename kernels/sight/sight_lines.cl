@@ -5,15 +5,24 @@
 
 #define OPENED 16
 
-// The greatest height of a vertex of each patch.
-__kernel void sight_patches(const SightGrid grid, __global const int* heights, __global int* patch_tops) {
+// The greatest height of a vertex of each patch; and into `found` whether any cell has no height, and whether any
+// height is out of range.
+__kernel void sight_patches(const SightGrid grid, __global const int* heights, __global int* patch_tops,
+                            volatile __global uint* found) {
     GN_FOR_EACH(i, grid.patch_columns * (size_t)grid.patch_rows) {
         int x = (int)(i % grid.patch_columns) * SIGHT_PATCH, y = (int)(i / grid.patch_columns) * SIGHT_PATCH;
-        int top = NO_HEIGHT;
+        int top = NO_HEIGHT, least = INT_MAX;
+        bool is_whole = true;
         for (int row = y; row < min(y + SIGHT_PATCH + 1, grid.rows); ++row)
-            for (int column = x; column < min(x + SIGHT_PATCH + 1, grid.columns); ++column)
-                top = max(top, heights[row * (size_t)grid.columns + column]);
+            for (int column = x; column < min(x + SIGHT_PATCH + 1, grid.columns); ++column) {
+                int height = heights[row * (size_t)grid.columns + column];
+                top = max(top, height);
+                least = min(least, height == NO_HEIGHT ? INT_MAX : height);
+                is_whole &= height != NO_HEIGHT;
+            }
         patch_tops[i] = top;
+        if (!is_whole) atomic_or(found, FOUND_ABSENT);
+        if (top >= MAX_GRID_HEIGHT || least <= -MAX_GRID_HEIGHT) atomic_or(found, FOUND_WRONG);
     }
 }
 
@@ -23,21 +32,23 @@ __kernel void sight_targets(ulong count, __global const int* heights, __global u
 }
 
 // Opens the targets in columns spans[2 i] to spans[2 i + 1] (exclusive) of row i of the band. Others are hidden. An
-// item takes OPENED cells of a row.
-__kernel void sight_begin(const SightGrid grid, __global const uchar* targets, __global const int* spans,
-                          __global uchar* answers) {
+// item takes OPENED cells of a row. has_absent: `targets` says which cells have heights; else all have.
+__kernel void sight_begin(const SightGrid grid, uint has_absent, __global const uchar* targets,
+                          __global const int* spans, __global uchar* answers) {
     int pieces = (grid.columns + OPENED - 1) / OPENED;
     GN_FOR_EACH(i, (grid.band_last - grid.band_first) * (size_t)pieces) {
         int row = (int)(i / pieces), first = (int)(i % pieces) * OPENED, end = min(first + OPENED, grid.columns);
-        __global const uchar* of_row = targets + (grid.band_first + row) * (size_t)grid.columns;
+        __global const uchar* of_row = targets + (has_absent ? (grid.band_first + row) * (size_t)grid.columns : 0);
         __global uchar* answers_of_row = answers + row * (size_t)grid.columns;
         int first_target = spans[2 * row], end_target = spans[2 * row + 1];
         if (first >= first_target && end <= end_target && end == first + OPENED) {
-            vstore16(vload16(0, of_row + first), 0, answers_of_row + first);
+            vstore16(has_absent ? vload16(0, of_row + first) : (uchar16)(SIGHT_OPEN), 0, answers_of_row + first);
             continue;
         }
-        for (int x = first; x < end; ++x)
-            answers_of_row[x] = (uchar)(x >= first_target && x < end_target ? of_row[x] : SIGHT_HIDDEN);
+        for (int x = first; x < end; ++x) {
+            bool is_target = x >= first_target && x < end_target;
+            answers_of_row[x] = (uchar)(!is_target ? SIGHT_HIDDEN : has_absent ? of_row[x] : SIGHT_OPEN);
+        }
     }
 }
 

@@ -34,6 +34,10 @@
 #define SIGHT_SEEN 1u
 #define SIGHT_OPEN 2u
 
+// What is found of the heights.
+#define FOUND_ABSENT 1u
+#define FOUND_WRONG 2u
+
 GN_STRUCT_BEGIN(SightGrid)
     int columns, rows;
     int patch_columns, patch_rows;

@@ -352,7 +352,7 @@ class ViewshedGrid:
         def look(native: Any) -> tuple[NDArray[np.uint32], NDArray[np.uint32]]:
             if len(eyes) == 1 and progress is None:  # a byte a cell is read
                 seen = self._device.call(native.look, eyes, rows, spans, True).reshape(shape)
-                counts = (seen == 1).astype(np.uint32)
+                counts = seen.astype(np.uint32)  # 1: seen, 0: not
                 return counts, counts[None].copy() if bits else np.empty((0, *shape), np.uint32)
             counts, words = self._device.call(native.look_from, eyes, rows, spans, bits, progress)
             return counts.reshape(shape), words.reshape(-1, *shape)
