@@ -44,7 +44,8 @@ TEST(HeightGrid, SameAnswersWithEveryKernel) {
     const gnomon::Eye eyes[] = {{85 * SUBCELLS, 60 * SUBCELLS, 2500, 0},
                                 {85 * SUBCELLS + 100, 59 * SUBCELLS + 31, 1500, 200},
                                 {3 * SUBCELLS + 1, 2 * SUBCELLS, 30000, 0},
-                                {169 * SUBCELLS, 119 * SUBCELLS, 22100, 100}};
+                                {169 * SUBCELLS, 119 * SUBCELLS, 22100, 100},
+                                {30 * SUBCELLS + 77, 71 * SUBCELLS + 77, 7000, 0}};
     gnomon::HeightGrid first(device_with(), heights, columns);
     for (const gnomon::Eye& eye : eyes) {
         const auto expected = first.look(eye, all_rows, spans, false);

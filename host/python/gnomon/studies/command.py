@@ -109,8 +109,8 @@ def _refraction(text: str) -> float | None:
 def _viewshed(options: argparse.Namespace) -> int:
     observers = observers_of(options.observers, options.height)
     what = options.what or ("seen" if len(observers) == 1 else "counts")
-    if what == "seen" and len(observers) != 1:
-        raise ValueError(f"what: 'seen' is for one observer, and there are {len(observers)}")
+    if what != "counts" and len(observers) != 1:
+        raise ValueError(f"what: {what!r} is for one observer, and there are {len(observers)}")
     settings = ViewshedSettings(
         raster=files_of(options.raster),
         observers=observers,
