@@ -166,12 +166,14 @@ GN_INLINE LaneFloat top_before(const SightGrid grid, const SweepQuadrant of, __g
 GN_INLINE void decide_targets(const SightGrid grid, const SweepQuadrant of, __global const int* heights,
                               __global const int* patch_tops, __global uchar* answers, int a, LaneInt has_vertex,
                               const Met* met, const Wedges* wedges) {
-    LaneFloat over = 1.0f / ((float)a - (float)of.eye_a / SUBCELLS);
-    LaneFloat height = from_eye(grid, met->height + grid.target_height), slack = HEIGHT_SLACK * fabs(height);
-    LaneFloat low = (height - slack) * over, high = (height + slack) * over;
     LaneInt vertex = met->vertex;
     has_vertex &= LANE_COMPARE(vertex, >=, (LaneInt)of.first_target_b);
     has_vertex &= LANE_COMPARE(vertex, <=, (LaneInt)of.last_target_b);
+    has_vertex &= LANE_COMPARE(met->height, !=, (LaneInt)NO_HEIGHT);
+    LaneInt steps = LANES_SELECT((LaneInt)0, met->height, has_vertex) + (grid.target_height - grid.eye_height);
+    LaneFloat height = LANES_TO_FLOAT(steps), slack = HEIGHT_SLACK * fabs(height);
+    LaneFloat over = 1.0f / ((float)a - (float)of.eye_a / SUBCELLS);
+    LaneFloat low = (height - slack) * over, high = (height + slack) * over;
     uint hidden = lane_bits(has_vertex & LANE_COMPARE(wedges->reached, >=, high));
     uint near = lane_bits(has_vertex & LANE_COMPARE(low, >, wedges->top_far[0])) & ~hidden, seen = 0u;
     uint nearest = lane_bits(LANE_COMPARE(low, >, wedges->top_kept[0]));
