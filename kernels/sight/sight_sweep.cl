@@ -176,11 +176,13 @@ GN_INLINE void decide_targets(const SightGrid grid, const SweepQuadrant of, __gl
     LaneFloat low = (height - slack) * over, high = (height + slack) * over;
     uint hidden = lane_bits(has_vertex & LANE_COMPARE(wedges->reached, >=, high));
     uint near = lane_bits(has_vertex & LANE_COMPARE(low, >, wedges->top_far[0])) & ~hidden, seen = 0u;
-    uint nearest = lane_bits(LANE_COMPARE(low, >, wedges->top_kept[0]));
+    uint above_kept[2] = {0u, 0u}, above_far = 0u;
     if (near != 0u) {
         LaneFloat top = LANES_MAX(wedges->top, top_before(grid, of, heights, a, vertex));
         seen = lane_bits(has_vertex & LANE_COMPARE(low, >, top)) & ~hidden;
         near &= ~seen;
+        for (int i = 0; i < 2; ++i) above_kept[i] = lane_bits(LANE_COMPARE(low, >, wedges->top_kept[i]));
+        above_far = lane_bits(LANE_COMPARE(low, >, wedges->top_far[1]));
     }
     long line = of.origin + (long)a * of.line_stride;
     for (uint left = hidden | seen | near; left != 0u;) {
@@ -188,7 +190,10 @@ GN_INLINE void decide_targets(const SightGrid grid, const SweepQuadrant of, __gl
         long cell = line + (long)LANE_OF_INT(vertex, lane) * of.vertex_stride;
         __global uchar* answer = &answers[answer_of(grid, cell)];
         if (*answer != SIGHT_OPEN) continue;
-        int kept = nearest >> lane & 1u ? wedges->lines_kept[0] : wedges->lines_far[0];
+        int kept = above_kept[1] >> lane & 1u   ? wedges->lines_kept[1]
+                   : above_kept[0] >> lane & 1u ? wedges->lines_kept[0]
+                   : above_far >> lane & 1u     ? wedges->lines_far[1]
+                                                : wedges->lines_far[0];
         if (near >> lane & 1u)
             decide_exactly(grid, heights, patch_tops, answers, cell, of.nearest + of.direction * kept);
         else
