@@ -515,20 +515,27 @@ void bind_sight(nb::module_& m) {
             "eyes"_a, "rows"_a, "spans"_a, "wants_words"_a, "progress"_a.none());
 }
 
+// Of float32 and of float64: no array is converted from one to the other.
 template <typename Height>
 void bind_rounding(nb::module_& m) {
     using Heights = nb::ndarray<const Height, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
-    m.def("range_of_heights", [](const Heights& heights) {
-        const auto range = released([&] { return gnomon::python::range_of(span_of(heights)); });
-        return std::pair(range.low, range.high);
-    });
-    m.def("round_heights",
-          [](const Heights& heights, double base, double per_square, const Doubles& across, const Doubles& along,
-             int exponent, const Written<std::int32_t>& steps, const Written<bool>& absent) {
-              const nb::gil_scoped_release free;
-              const gnomon::python::Rounding rounding{base, per_square, span_of(across), span_of(along), exponent};
-              return gnomon::python::round_heights(span_of(heights), rounding, span_of(steps), span_of(absent));
-          });
+    m.def(
+        "range_of_heights",
+        [](const Heights& heights) {
+            const auto range = released([&] { return gnomon::python::range_of(span_of(heights)); });
+            return std::pair(range.low, range.high);
+        },
+        "heights"_a.noconvert());
+    m.def(
+        "round_heights",
+        [](const Heights& heights, double base, double per_square, const Doubles& across, const Doubles& along,
+           int exponent, const Written<std::int32_t>& steps, const Written<bool>& absent) {
+            const nb::gil_scoped_release free;
+            const gnomon::python::Rounding rounding{base, per_square, span_of(across), span_of(along), exponent};
+            return gnomon::python::round_heights(span_of(heights), rounding, span_of(steps), span_of(absent));
+        },
+        "heights"_a.noconvert(), "base"_a, "per_square"_a, "across"_a, "along"_a, "exponent"_a, "steps"_a.noconvert(),
+        "absent"_a.noconvert());
 }
 
 void bind_views(nb::module_& m) {

@@ -300,11 +300,12 @@ class ViewshedGrid:
 
     @property
     def device(self) -> Device:
+        """Where it lies."""
         return self._device
 
     @property
     def ground(self) -> _Ground:
-        """The rounded raster."""
+        """The rounded raster, on the host."""
         return self._ground
 
     def _uploaded(self, steps: NDArray[np.int32]) -> Any:
