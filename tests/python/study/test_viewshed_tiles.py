@@ -172,6 +172,10 @@ def test_lines_in_rational_arithmetic_are_the_definition():
                     assert is_seen(steps, _gnomon.NO_HEIGHT, (x, y, top, above), cell) == answer, (x, y, above, cell)
                     seen += answer
     assert 50 < seen < 280
+    ridge = np.zeros((3, 7), int)
+    ridge[:, 3] = 100
+    answers = [is_seen(ridge, _gnomon.NO_HEIGHT, (0, 256, 200, above), (1, 6)) for above in (0, 1)]
+    assert answers == [False, True], "a line that touches the ground is not seen"
 
 
 def test_a_folder_of_another_viewshed_or_study_is_refused(asked, raster, tmp_path, capsys):
