@@ -134,8 +134,8 @@ SweepQuadrant HeightGrid::quadrant(const SightGrid& grid, bool is_along_y, int d
 void HeightGrid::set_wedges(SweepQuadrant& of) {
     if (of.lines <= 0 || of.first_target_b > of.last_target_b) return;
     constexpr int whole = 1 << U_BITS;
-    of.wedge_u = whole / std::max(of.lines, 32);
-    of.first_u = -of.wedge_u * 3 / 8 - whole;  // few rays meet vertices
+    of.wedge_u = whole / std::max(of.lines, 32);  // so there are 64 wedges or more
+    of.first_u = -of.wedge_u * 3 / 8 - whole;     // few rays meet vertices
     of.wedges = (whole - of.first_u - 1) / of.wedge_u + 1;
     of.last_u = std::abs(of.line_stride) == 1 ? whole : whole - 1;
     const double near = double(std::max(of.first_line, 1)) - double(of.eye_a) / SUBCELLS;
@@ -144,8 +144,9 @@ void HeightGrid::set_wedges(SweepQuadrant& of) {
     const double first_u = std::max(low / (low > 0 ? far : near), -1.0),
                  last_u = std::min(high / (high > 0 ? near : far), 1.0);
     const auto wedge_of = [&](double u) { return int(std::floor((u * whole - of.first_u) / of.wedge_u)); };
-    const int skipped = std::clamp(wedge_of(first_u) - 1, 0, std::max(of.wedges - 15, 0));
-    of.wedges = std::clamp(wedge_of(last_u) + 2 - skipped, 15, of.wedges - skipped);
+    constexpr int least = 15;  // a CPU's group has as many
+    const int skipped = std::clamp(wedge_of(first_u) - 1, 0, of.wedges - least);
+    of.wedges = std::clamp(wedge_of(last_u) + 2 - skipped, least, of.wedges - skipped);
     of.first_u += skipped * of.wedge_u;
 }
 
@@ -161,8 +162,9 @@ void HeightGrid::decide(const SightGrid& grid, bool sweeps, const SightSum& sum,
             groups += (of.wedges + wedges_of_group - 1) / wedges_of_group;
             of.end_group = groups;
         }
-        session.launch("sight/sight_sweep.cl", "sight_sweep", cl::Range::shares(std::size_t(groups)), grid, quadrants,
-                       heights_.get(), patch_tops_, answers_);
+        if (groups > 0)
+            session.launch("sight/sight_sweep.cl", "sight_sweep", cl::Range::shares(std::size_t(groups)), grid,
+                           quadrants, heights_.get(), patch_tops_, answers_);
     }
     const std::size_t targets = std::size_t(grid.band_last - grid.band_first) * std::size_t(grid.columns);
     session.launch(lines_file, "sight_decide", cl::Range::shares(targets), grid, sum, heights_.get(), patch_tops_,
