@@ -17,8 +17,9 @@ namespace {
 
 constexpr const char* file = "rivals/shadow_volumes.cl";
 
-/// Room for this many (side, tile) pairs at a time; sides are drawn in slices that cannot need more.
-constexpr std::size_t pair_capacity = std::size_t(1) << 23;
+/// Room for this many (side, tile) pairs at a time, and the sides of a slice, which seldom need more: the pixels of
+/// other pairs are counted at once.
+constexpr cl_uint pair_capacity = 1u << 23, sides_at_once = 1u << 16;
 
 cl_uint divided_up(cl_uint count, cl_uint size) { return (count + size - 1) / size; }
 
@@ -158,16 +159,16 @@ private:
     }
 
     void draw(VolumeParams params, const PointInputs& points, cl_uint side_count) {
-        const std::size_t tiles = std::size_t(params.tiles_x) * params.tiles_y;
         const std::size_t blocks = std::size_t(params.blocks_x) * params.blocks_y;
-        const auto slice = static_cast<cl_uint>(std::clamp<std::size_t>(pair_capacity / tiles, 1, 1u << 20));
-        pairs_.reserve(session_, slice * tiles * 2 * sizeof(cl_uint));
-        for (cl_uint first = 0; first < side_count; first += slice) {
+        pairs_.reserve(session_, std::size_t(pair_capacity) * 2 * sizeof(cl_uint));
+        params.pair_capacity = pair_capacity;
+        for (cl_uint first = 0; first < side_count; first += params.side_count) {
             params.first_side = first;
-            params.side_count = std::min(slice, side_count - first);
+            params.side_count = std::min(sides_at_once, side_count - first);
             session_.fill(cursor_, 0, sizeof(cl_uint));
             session_.launch(file, "shadow_volumes_tiles", cl::Range::items(params.side_count * blocks), params,
-                            sides_.buffer(), tile_depths_, tile_counts_, pairs_, cursor_, counters_);
+                            points.layout, points.positions, points.receivers, sides_.buffer(), tile_depths_,
+                            tile_counts_, pairs_, cursor_, pixel_counts_, counters_);
             session_.launch(file, "shadow_volumes_pixels", cl::Range::items(session_.many_groups() * 256), params,
                             points.layout, points.positions, points.receivers, sides_.buffer(), pairs_, cursor_,
                             pixel_counts_, counters_);

@@ -9,6 +9,7 @@
 // and transparent non-manifold casters"). So open and non-manifold meshes need no special care, and no adjacency is
 // stored: edges meet in a hash table, by their vertices' positions.
 #include "exact/blocks.clh"
+#include "lists/append.h"
 #include "receivers/facing.clh"
 #include "rivals/shadow_volumes.h"
 
@@ -265,12 +266,65 @@ static float4 tile_rectangle(VolumeParams params, uint x, uint y, uint side) {
                     (float)min((y + 1u) * side, params.height) - 0.5f);
 }
 
-// One work-item takes one (side of the slice, block of tiles): it counts whole tiles at once and queues the others.
-__kernel void shadow_volumes_tiles(VolumeParams params, __global const VolumeSide* sides,
+// ---- Pixels ---------------------------------------------------------------------------------------------------------
+
+static bool is_in_cone(__global const VolumeSide* side, float x, float y) {
+    for (uint i = 0; i < 3u; ++i) {
+        float e = form_at(vload3(i, side->edges), x, y);
+        if (e < 0.0f || (e == 0.0f && (side->flags & (1u << i)) == 0u)) return false;
+    }
+    return true;
+}
+
+// The pixels of a picture, and their counts.
+typedef struct VolumePixels {
+    PointsLayout layout;
+    __global const float* positions;
+    __global const uint* receivers;
+    __global int* counts;
+} VolumePixels;
+
+// Counts a side at the pixels of a tile's row; returns the number of pixels written.
+static uint count_in_row(VolumeParams params, const VolumePixels* of, __global const VolumeSide* side, uint tile,
+                         uint row) {
+    uint x0 = (tile % params.tiles_x) * VOLUME_TILE, y = (tile / params.tiles_x) * VOLUME_TILE + row, written = 0;
+    if (y >= params.height) return 0u;
+    for (uint x = x0; x < min(x0 + VOLUME_TILE, params.width); ++x) {
+        float pixel_x = (float)x + 0.5f, pixel_y = (float)y + 0.5f;
+        if (!is_in_cone(side, pixel_x, pixel_y)) continue;
+        size_t pixel = (size_t)y * params.width + x;
+        float3 p = load_point(of->positions, of->layout, pixel);
+        if (!is_present(p)) continue;
+        float slope = form_at(vload3(0, side->plane), pixel_x, pixel_y);
+        float depth = view_depth(params, p);
+        bool is_outside = slope * depth > side->plane_start;
+        bool is_own_cap = of->layout.has_receivers && side->cap_of != GN_NO_ID && of->receivers[pixel] == side->cap_of;
+        bool crossed_before = !is_at_infinity(side) && !is_own_cap && is_outside != is_eye_outside(side);
+        if (crossed_before == (params.z_fail != 0u)) continue;
+        atomic_add(&of->counts[pixel], crossing_of(params, side, slope));
+        ++written;
+    }
+    return written;
+}
+
+static void add_written(__global VolumeCounters* counters, uint written) {
+    if (written == 0) return;
+    uint before = atomic_add(&counters->pixels_written_low, written);
+    if (before + written < before) atomic_inc(&counters->pixels_written_high);
+}
+
+// ---- Drawing --------------------------------------------------------------------------------------------------------
+
+// One work-item takes one (side of the slice, block of tiles): it counts whole tiles at once, and queues the others or,
+// where the queue has no room, counts at their pixels.
+__kernel void shadow_volumes_tiles(VolumeParams params, PointsLayout layout, __global const float* positions,
+                                   __global const uint* receivers, __global const VolumeSide* sides,
                                    __global const float2* tile_depths, __global int* tile_counts, __global uint2* pairs,
-                                   __global uint* pair_count, __global VolumeCounters* counters) {
+                                   __global uint* pair_count, __global int* pixel_counts,
+                                   __global VolumeCounters* counters) {
+    VolumePixels pixels = {layout, positions, receivers, pixel_counts};
     uint block_count = params.blocks_x * params.blocks_y;
-    uint whole = 0;
+    uint whole = 0, written = 0;
     GN_FOR_EACH(i, (size_t)params.side_count * block_count) {
         uint index = params.first_side + (uint)(i / block_count), block = (uint)(i % block_count);
         __global const VolumeSide* side = &sides[index];
@@ -291,22 +345,16 @@ __kernel void shadow_volumes_tiles(VolumeParams params, __global const VolumeSid
                 if (cone == WHOLLY && before != PARTLY && one_way) {
                     atomic_add(&tile_counts[tile], crossing_of(params, side, slope.x));
                     ++whole;
-                } else {
-                    pairs[atomic_inc(pair_count)] = (uint2)(index, tile);
+                    continue;
                 }
+                uint at = reserve_slots(1u, pair_count);
+                if (at < params.pair_capacity) pairs[at] = (uint2)(index, tile);
+                for (uint row = 0; at >= params.pair_capacity && row < VOLUME_TILE; ++row)
+                    written += count_in_row(params, &pixels, side, tile, row);
             }
     }
     if (whole != 0) atomic_add(&counters->tiles_whole, whole);
-}
-
-// ---- Pixels ---------------------------------------------------------------------------------------------------------
-
-static bool is_in_cone(__global const VolumeSide* side, float x, float y) {
-    for (uint i = 0; i < 3u; ++i) {
-        float e = form_at(vload3(i, side->edges), x, y);
-        if (e < 0.0f || (e == 0.0f && (side->flags & (1u << i)) == 0u)) return false;
-    }
-    return true;
+    add_written(counters, written);
 }
 
 // One work-item per row of a queued tile.
@@ -314,32 +362,13 @@ __kernel void shadow_volumes_pixels(VolumeParams params, PointsLayout layout, __
                                     __global const uint* receivers, __global const VolumeSide* sides,
                                     __global const uint2* pairs, __global const uint* pair_count,
                                     __global int* pixel_counts, __global VolumeCounters* counters) {
+    VolumePixels pixels = {layout, positions, receivers, pixel_counts};
     uint written = 0;
-    GN_FOR_EACH(i, (size_t)*pair_count * VOLUME_TILE) {
+    GN_FOR_EACH(i, (size_t)min(*pair_count, params.pair_capacity) * VOLUME_TILE) {
         uint2 pair = pairs[i / VOLUME_TILE];
-        __global const VolumeSide* side = &sides[pair.x];
-        uint x0 = (pair.y % params.tiles_x) * VOLUME_TILE;
-        uint y = (pair.y / params.tiles_x) * VOLUME_TILE + (uint)(i % VOLUME_TILE);
-        if (y >= params.height) continue;
-        for (uint x = x0; x < min(x0 + VOLUME_TILE, params.width); ++x) {
-            float pixel_x = (float)x + 0.5f, pixel_y = (float)y + 0.5f;
-            if (!is_in_cone(side, pixel_x, pixel_y)) continue;
-            size_t pixel = (size_t)y * params.width + x;
-            float3 p = load_point(positions, layout, pixel);
-            if (!is_present(p)) continue;
-            float slope = form_at(vload3(0, side->plane), pixel_x, pixel_y);
-            float depth = view_depth(params, p);
-            bool is_outside = slope * depth > side->plane_start;
-            bool is_own_cap = layout.has_receivers && side->cap_of != GN_NO_ID && receivers[pixel] == side->cap_of;
-            bool crossed_before = !is_at_infinity(side) && !is_own_cap && is_outside != is_eye_outside(side);
-            if (crossed_before == (params.z_fail != 0u)) continue;
-            atomic_add(&pixel_counts[pixel], crossing_of(params, side, slope));
-            ++written;
-        }
+        written += count_in_row(params, &pixels, &sides[pair.x], pair.y, (uint)(i % VOLUME_TILE));
     }
-    if (written == 0) return;
-    uint before = atomic_add(&counters->pixels_written_low, written);
-    if (before + written < before) atomic_inc(&counters->pixels_written_high);
+    add_written(counters, written);
 }
 
 // A point is in shadow if it is backfacing or lies in a volume. Absent points are lit.

@@ -31,7 +31,9 @@ GN_STRUCT_BEGIN(VolumeParams)
     uint blocks_x, blocks_y;  // of BLOCK x BLOCK tiles
     uint both_faces;          // 1: every triangle casts; 0: a triangle casts if its winding faces the light
     uint z_fail;              // 1: counts crossings behind the point, and caps; 0: counts crossings before the point
-GN_STRUCT_END(VolumeParams, 144)
+    uint pair_capacity;       // of the queue of (side, tile)
+    uint padding[3];
+GN_STRUCT_END(VolumeParams, 160)
 
 // One triangle of rays: a volume's side, a half of one, or a cap. A form n . ray is linear in (X, Y): it has the
 // coefficients n . right, n . up and n . forward.
