@@ -491,6 +491,23 @@ TEST_F(SceneFile, EqualWarningsAreOneWithTheirParts) {
     EXPECT_LT(scene.warnings[0].size(), 700u) << scene.warnings[0];
 }
 
+// A texture that is not there is an image, and its path stands once.
+TEST_F(SceneFile, AMissingImageIsNamedOnce) {
+    Gltf gltf = triangle_file();
+    gltf.add("bufferViews", R"({"buffer": 0, "byteLength": 24})");
+    gltf.accessor(1, f32, 3, "VEC2");
+    gltf.set("/meshes/0/primitives", R"([{"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "material": 0}])");
+    gltf.set("/materials", R"([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}])");
+    gltf.set("/textures", R"([{"source": 0}])");
+    gltf.set("/images", R"([{"uri": "wood.png"}])");
+    const auto image = [](std::span<const unsigned char>, std::uint64_t) { return gnomon::scene::ColorImage{}; };
+    const Scene scene = load(gltf, {.decode_colors = image});
+    ASSERT_EQ(scene.warnings.size(), 1u);
+    expect_warning(scene, {"its image cannot be read: its file '", "wood.png' does not exist"});
+    EXPECT_EQ(scene.warnings[0].find("wood.png"), scene.warnings[0].rfind("wood.png"));
+    EXPECT_EQ(scene.warnings[0].find("buffer"), std::string::npos);
+}
+
 // A node of Earth size moves float32 vertices: .25 m here, at triangles of 1 m. One far away, but large, does not.
 TEST_F(SceneFile, NodesOfEarthSizeAreNamed) {
     Gltf gltf = triangle_file();
@@ -1150,6 +1167,9 @@ TEST(DefaultCamera, FillsThePicture) {
         {"a long thing", cuboid({-500, 0, 0}, {500, 1, 1}), {}},
         {"two things far apart", together(cube, far_off), {}},
         {"small and far from the origin", cuboid({1000, 1000, 1000}, {1001, 1001, 1001}), {}},
+        {"small and farther from the origin", cuboid({1e5f, 0, 1e5f}, {1e5f + 2, 2, 1e5f + 2}), {}},
+        {"a house at 400 km", cuboid({4e5f, 0, 4e5f}, {4e5f + 10, 8, 4e5f + 10}), {}},
+        {"a grain", cuboid({0, 0, 0}, {1e-5f, 1e-5f, 1e-5f}), {}},
         {"ground alone", ground, {}},
         {"Earth-size", cuboid({4.5e6f, 0, 5.3e6f}, {4.6e6f, 1e4f, 5.4e6f}), {}},
     };

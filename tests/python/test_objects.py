@@ -284,7 +284,7 @@ OTHER_FILES = {
     "half a file": (lambda: io.BytesIO(LEAVES.read_bytes()[:5000]), ValueError, "^<BytesIO>: "),
     "files beside it": (
         lambda: io.BytesIO(b'{"asset":{"version":"2.0"},"buffers":[{"uri":"a.bin","byteLength":4}]}'),
-        ValueError, "^<BytesIO>: its buffer file 'a.bin' does not exist .*give the file's name",
+        ValueError, "^<BytesIO>: its file 'a.bin' does not exist .*give the file's name",
     ),
 }  # fmt: skip
 
