@@ -57,7 +57,7 @@ def require_shown(shown, said, page):
 
 def shell(lines, folder, environment, page, statuses=(0,)):
     done = subprocess.run(["bash", "-c", lines], cwd=folder, env=environment, text=True, stdout=subprocess.PIPE,
-                          stderr=subprocess.STDOUT, timeout=300)  # fmt: skip
+                          stderr=subprocess.STDOUT, timeout=600)  # fmt: skip
     if done.returncode not in statuses:
         raise Failure(f"{page}: {lines}\nended with {done.returncode}:\n{done.stdout}")
     return done.stdout

@@ -151,9 +151,7 @@ def _crs_of(dem: xarray.DataArray) -> Any:
     return dem.attrs.get("crs")
 
 
-def _require_metres(
-    dem: xarray.DataArray, x: NDArray[np.float64], y: NDArray[np.float64], crs: Any = None
-) -> None:
+def _require_metres(dem: xarray.DataArray, x: NDArray[np.float64], y: NDArray[np.float64], crs: Any = None) -> None:
     known = crs if crs is not None else _crs_of(dem)
     if known is None:
         return

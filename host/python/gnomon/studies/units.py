@@ -45,8 +45,8 @@ def horizontal(crs: Any) -> pyproj.CRS:
 
 
 def utm_at(crs: pyproj.CRS, x: float, y: float) -> int:
-    """The EPSG code of the UTM zone, or of the polar map, at a place of a CRS; 32632 where the CRS does not say where on
-    Earth that is."""
+    """The EPSG code of the UTM zone, or of the polar map, at a place of a CRS; 32632 where the CRS does not say where
+    on Earth that is."""
     try:
         longitude, latitude = pyproj.Transformer.from_crs(crs, "EPSG:4326", always_xy=True).transform(x, y)
     except pyproj.exceptions.ProjError:
@@ -64,13 +64,11 @@ def require_metres(name: str, crs: Any, x: float, y: float) -> None:
     warp = f"warp it to UTM or a national grid first (rio warp IN.tif OUT.tif --dst-crs EPSG:{utm_at(flat, x, y)})"
     units = {axis.unit_name: axis.unit_conversion_factor for axis in flat.axis_info}
     if flat.is_geographic:
-        raise ValueError(
-            f"{name}: its coordinates are degrees ({flat.name}), not metres on a map: {warp}"
-        )
+        raise ValueError(f"{name}: its coordinates are degrees ({flat.name}), not metres on a map: {warp}")
     if flat.is_geocentric or any(abs(factor - 1) > 1e-12 for factor in units.values()):
         raise ValueError(
-            f"{name}: its coordinates are not metres on a map but {', '.join(units) or 'unknown'} ({flat.name}): {warp}; "
-            "where its heights are not metres either, and OUT.tif no longer says so, give height_unit="
+            f"{name}: its coordinates are not metres on a map but {', '.join(units) or 'unknown'} ({flat.name}): {warp}"
+            "; where its heights are not metres either, and OUT.tif no longer says so, give height_unit="
         )
 
 
