@@ -15,7 +15,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = ["README.md", "CONTRIBUTING.md", "docs/view.md"]
-FILES_OF_READERS = {"scene.glb": ["--triangles", "10000"], "town.glb": ["--triangles", "10000"]}
+FILES_OF_READERS = {"scene.glb": "lattice", "town.glb": "city --triangles 10000"}
 
 #: CTest says which tests it would run: all have been run when the pages' turn comes.
 LISTS_TESTS = '#!/bin/bash\nexec {ctest} --show-only "$@"\n'
@@ -108,8 +108,8 @@ def try_change(folder, environment, blocks_of_page):
 
 def main():
     build = Path(sys.argv[1] if len(sys.argv) > 1 else ROOT / "build").resolve()
-    with tempfile.TemporaryDirectory() as made:
-        folder = Path(made)
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = Path(temporary)
         for name, place in {"build": build, "scenes": ROOT / "scenes"}.items():
             (folder / name).symlink_to(place)
         programs = folder / "programs"
@@ -118,8 +118,8 @@ def main():
         (programs / "ctest").chmod(0o755)
         environment = {**os.environ, "PATH": f"{programs}:{os.environ['PATH']}"}
         environment.setdefault("GNOMON_CACHE_DIR", str(build / "test_kernel_cache"))
-        for name, options in FILES_OF_READERS.items():
-            shell(f"build/tools/make_scenes city {' '.join(options)} -o {name}", folder, environment, "make_scenes")
+        for name, made in FILES_OF_READERS.items():
+            shell(f"build/tools/make_scenes {made} -o {name}", folder, environment, "make_scenes")
         for page in PAGES:
             began = time.monotonic()
             of_page = blocks(page)
