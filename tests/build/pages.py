@@ -17,6 +17,8 @@ ROOT = Path(__file__).resolve().parents[2]
 PAGES = ["README.md", "CONTRIBUTING.md", "docs/view.md"]
 FILES_OF_READERS = {"scene.glb": "lattice", "town.glb": "city --triangles 10000"}
 
+#: What a line gets in addition: every technique on every pixel takes a minute, and a browser is not started.
+ADDED = {" gallery ": " --size 96x54 --runs 1", " view ": " --no-open"}
 #: CTest says which tests it would run: all have been run when the pages' turn comes.
 LISTS_TESTS = '#!/bin/bash\nexec {ctest} --show-only "$@"\n'
 #: This program is a part of it.
@@ -65,8 +67,7 @@ def shell(lines, folder, environment, page, statuses=(0,)):
 
 def serve(line, folder, environment, page):
     """A server runs until its page has been answered."""
-    command = line.split("#")[0].split() + ["--no-open"]
-    with subprocess.Popen(command, cwd=folder, env=environment, text=True, stdout=subprocess.PIPE) as server:
+    with subprocess.Popen(line.split(), cwd=folder, env=environment, text=True, stdout=subprocess.PIPE) as server:
         try:
             address = server.stdout.readline().strip()
             began, answer = time.monotonic(), b""
@@ -82,6 +83,7 @@ def run_line(line, folder, environment, page):
     command = line.split("#")[0].strip()
     if not command or command.startswith("pip ") or IN_PROGRESS in command:
         return
+    command += "".join(more for word, more in ADDED.items() if word in command)
     if " view " in command:
         return serve(command, folder, environment, page)
     if re.match(r"(\./)?tools/", command):  # they build and test the tree that they lie in

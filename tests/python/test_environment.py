@@ -61,7 +61,7 @@ def test_a_full_disk_is_named(tmp_path):
         pytest.skip("only PoCL's compiler is known to say nothing then")
     code = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (1024, 1024))\n" + SAID
     folders = {"POCL_CACHE_DIR": str(tmp_path / "p"), "GNOMON_CACHE_DIR": str(tmp_path / "g")}
-    said = run(code.replace("gnomon.DeviceNotFoundError", "gnomon.Error"), **folders).stdout
+    said = run(code.replace("gnomon.DeviceNotFoundError", "gnomon.OpenCLError"), **folders).stdout
     assert "compiling kernels/" in said and "a full disk is one: POCL_CACHE_DIR" in said
 
 
