@@ -67,8 +67,7 @@ GltfContainer read_glb(const std::filesystem::path& file, std::uint64_t size) {
 }  // namespace
 
 std::uint64_t file_size(const std::filesystem::path& file, const std::filesystem::path& scene_file) {
-    const std::string subject =
-        file == scene_file ? std::string() : "its file " + in_quotes(file.string()) + " ";
+    const std::string subject = file == scene_file ? std::string() : "its file " + in_quotes(file.string()) + " ";
     std::error_code error;
     const std::filesystem::file_status status = std::filesystem::status(file, error);
     if (status.type() == std::filesystem::file_type::not_found) fail(scene_file, subject + "does not exist");

@@ -105,10 +105,13 @@ FILL_VALUES = (*(s * float(np.finfo(t).max) for t in (np.float32, np.float64) fo
 def _fill_values_of(array: NDArray[Any]) -> NDArray[Any] | None:
     """Those that its type holds; None where no value is far out. Of integers the extremes of 32 and 64 bits, which NaN
     becomes; 16 bits are full of quantized positions."""
+    if not array.size:
+        return None
     if array.dtype.kind in "iu":
         limits = np.iinfo(array.dtype)
-        return np.array([n for n in (limits.min, limits.max) if n != 0], array.dtype) if limits.bits >= 32 else None
-    if array.dtype.kind != "f" or not array.size or max(-float(np.nanmin(array)), float(np.nanmax(array))) < 1e36:
+        values = np.array([n for n in (limits.min, limits.max) if n != 0], array.dtype)
+        return values if limits.bits >= 32 and np.isin(values, (array.min(), array.max())).any() else None
+    if array.dtype.kind != "f" or max(-float(np.nanmin(array)), float(np.nanmax(array))) < 1e36:
         return None
     with np.errstate(over="ignore"):
         return np.array(FILL_VALUES).astype(array.dtype)

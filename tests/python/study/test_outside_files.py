@@ -47,8 +47,10 @@ def test_a_fault_in_tennessee(tmp_path):
     box = rasterio.transform.array_bounds(120, 120, place)
     grid, width, height = rasterio.warp.calculate_default_transform("EPSG:4326", "EPSG:32616", 120, 120, *box)
     out = np.full((height, width), np.nan, "float32")
-    rasterio.warp.reproject(heights, out, src_transform=place, src_crs="EPSG:4326", dst_transform=grid,
-                            dst_crs="EPSG:32616", dst_nodata=np.nan, resampling=rasterio.warp.Resampling.bilinear)  # fmt: skip
+    rasterio.warp.reproject(
+        heights, out, src_transform=place, src_crs="EPSG:4326", dst_transform=grid, dst_crs="EPSG:32616",
+        dst_nodata=np.nan, resampling=rasterio.warp.Resampling.bilinear,
+    )  # fmt: skip
     there |= dict(width=width, height=height, crs="EPSG:32616", transform=grid)
     with rasterio.open(tmp_path / "out.tif", "w", **there) as f:
         f.write(out, 1)
