@@ -34,6 +34,7 @@ ci_packages=(
     libclc-15                      # what Mesa's rusticl reads (tools/test_drivers.sh); registers no driver
     gappa coq libcoq-flocq         # check the proofs of tests/proofs (250 MB, a minute)
     spin                           # explores the orders of steps of tests/protocols
+    rustc                          # docs/embedding.md's program in Rust (55 MB)
     doxygen                        # the pages of gnomon.h and gnomon.hpp (tools/api_pages.sh)
     clang-format-14                # one formatter version, or the check would depend on the machine
 )

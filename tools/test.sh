@@ -6,9 +6,9 @@
 #   test.sh WING     the tests of one wing (host/stages.cmake), or of another folder of tests/
 #   test.sh --ci     all that CI runs: first the format, and warnings as errors; the exhaustive tests too; library and
 #                    command, and the tests that use them as users do, once more under AddressSanitizer and
-#                    UndefinedBehaviorSanitizer; six frames beside the last release's (tools/speed_guard.py); the page of
-#                    gnomon view (tools/test_view.sh); the fuzzers; the Python package (tools/test_python.sh); other
-#                    drivers (tools/test_drivers.sh)
+#                    UndefinedBehaviorSanitizer; six frames beside the last release's (tools/speed_guard.py); the shell
+#                    blocks of the pages (tests/build/pages.py); the page of gnomon view (tools/test_view.sh); the
+#                    fuzzers; the Python package (tools/test_python.sh); other drivers (tools/test_drivers.sh)
 # GNOMON_TEST_TIME_SCALE=N in the environment makes all time limits N times as long, for a slow machine.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -89,6 +89,8 @@ cmake --build build --parallel "$(nproc)"
 tools/run.sh
 step "Tests"
 run_tests build
+step "Shell blocks of the pages"
+python3 tests/build/pages.py build
 step "Processor time beside the last release's"
 python3 tools/speed_guard.py build/tools/bench
 step "The page of gnomon view, in a browser"

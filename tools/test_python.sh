@@ -17,8 +17,18 @@ if ! "${pip[@]}" download --no-deps --dest "$build/probe" nanobind; then
 fi
 
 if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=ccache; fi
-"${pip[@]}" wheel . --no-deps --wheel-dir "$build/wheel" --config-settings=build-dir="$build/objects"
+# What the build needs lies in the environment and not in one of each build, so that all builds share their objects.
+requirements='import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["build-system"]["requires"], sep="\n")'
+"${pip[@]}" install --requirement <("$build/venv/bin/python" -c "$requirements")
+shared=(--no-build-isolation --config-settings=build-dir="$build/objects")
+"${pip[@]}" wheel . --no-deps --wheel-dir "$build/wheel" "${shared[@]}"
 wheel=$(echo "$build"/wheel/gnomon-*.whl)
+echo "-- docs/python.md's lines of pip, of which README.md has one"
+lines_of_pip() { sed -n '/^```sh$/,/^```$/s/^\(pip [^#]*[^# ]\).*/\1/p' "$1"; }
+lines_of_pip docs/python.md | grep -qxF "$(lines_of_pip README.md)"
+pip() { "${pip[@]}" "$@" "${shared[@]}"; }
+eval "$(lines_of_pip docs/python.md)"
+unset -f pip
 "${pip[@]}" install "$wheel[pocl,test,study,weather]" pdoc
 ls -l "$wheel"
 if command -v doxygen >/dev/null; then tools/api_pages.sh "$build/venv/bin/python"; fi

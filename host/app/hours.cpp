@@ -7,7 +7,9 @@
 
 #include "options.hpp"
 #include "output_files.hpp"
+#include "picture.hpp"
 #include "pictures.hpp"
+#include "scene/extent.hpp"
 #include "scene/number_table.hpp"
 #include "setup.hpp"
 #include "sun_sums.hpp"
@@ -20,17 +22,22 @@ namespace {
 
 struct OwnPoints {
     std::vector<float> positions, normals;  ///< 3 each; normals may be empty
+    std::size_t moved_count = 0;            ///< points that float32 moves visibly
+    double first_move = 0;                  ///< of the first of them
 };
 
-OwnPoints read_points(const std::filesystem::path& file) {
+OwnPoints read_points(const std::filesystem::path& file, const scene::Extent& extent) {
     const std::vector<std::string> positions{"x", "y", "z"}, all{"x", "y", "z", "nx", "ny", "nz"};
     const scene::NumberTable rows(table_file_text(file), file.string(), {{positions, all}, scene::point_headings()});
     rows.require(positions, "points need the columns x, y, z, and nx, ny, nz for the side that they face");
     const bool has_normals = rows.has("nx") && rows.has("ny") && rows.has("nz");
     OwnPoints points;
-    for (std::size_t row = 0; row < rows.rows(); ++row)
+    for (std::size_t row = 0; row < rows.rows(); ++row) {
         for (std::size_t c = 0; c < (has_normals ? 6u : 3u); ++c)
             (c < 3 ? points.positions : points.normals).push_back(rows.float_number(row, all[c]));
+        const double move = extent.visible_move({rows.number(row, "x"), rows.number(row, "y"), rows.number(row, "z")});
+        if (move > 0 && points.moved_count++ == 0) points.first_move = move;
+    }
     return points;
 }
 
@@ -108,8 +115,14 @@ struct Outputs {
 };
 
 SunSums hours_of_points(const HoursOptions& options, const Device& device, Technique& technique,
-                        const Triangles& triangles, const SunTable& table, Outputs& outputs) {
-    const OwnPoints own = read_points(*options.points);
+                        const scene::Scene& scene, const Triangles& triangles, const SunTable& table,
+                        Outputs& outputs) {
+    const OwnPoints own = read_points(*options.points, scene::Extent(scene));
+    if (own.moved_count > 0)
+        warn_or_refuse(options, fmt::format("{}: float32 moves {} {} far from the origin, the first by {:.2g} (move "
+                                            "scene and points there, or take Python, which keeps doubles)",
+                                            options.points->string(), grouped(own.moved_count),
+                                            own.moved_count == 1 ? "point" : "points", own.first_move));
     const Points points = Points::upload(device, own.positions), normals = Points::upload(device, own.normals);
     if (options.cosines && own.normals.empty())
         throw Error(options.points->string() + (options.weather ? ": --epw" : ": --cosines") +
@@ -169,7 +182,7 @@ void hours(const HoursOptions& options) {
     const scene::Scene scene = load_scene(options);
     const Triangles triangles = upload_triangles(device, scene);
     const SunSums computed = options.points
-                                 ? hours_of_points(options, device, *technique, triangles, table, outputs)
+                                 ? hours_of_points(options, device, *technique, scene, triangles, table, outputs)
                                  : hours_of_picture(options, device, *technique, scene, triangles, table, outputs);
     outputs.files.commit();
     if (!options.quiet) print_result(summary(options, table, computed));

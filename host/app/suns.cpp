@@ -160,6 +160,7 @@ SunTable read_suns(const std::filesystem::path& file, double north_degrees) {
         if (has_angles) {
             sun.azimuth_degrees = rows.number(row, "azimuth");
             sun.elevation_degrees = rows.number(row, "elevation");
+            if (std::abs(*sun.azimuth_degrees) > 360) rows.refuse(row, "an azimuth beyond 360 degrees");
             if (std::abs(*sun.elevation_degrees) > 90) rows.refuse(row, "an elevation beyond 90 degrees");
             if (!(*sun.elevation_degrees > 0)) {
                 ++table.below_horizon;

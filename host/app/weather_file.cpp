@@ -148,8 +148,9 @@ WeatherFile read_weather(const std::filesystem::path& file) {
     const std::string whole = table_file_text(file), name = file.string();
     std::string_view text = whole;
     if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
-    WeatherFile weather = text.starts_with("LOCATION,") ? read_epw(text, name + " (read as an EPW file)")
-                                                        : read_tmy3(text, name + " (read as a TMY3 table)");
+    WeatherFile weather = text.starts_with("LOCATION,")
+                              ? read_epw(text, name + " (read as an EPW file)")
+                              : read_tmy3(text, name + " (no EPW file, so read as a TMY3 table)");
     require_whole_days(weather, name);
     return weather;
 }

@@ -288,6 +288,8 @@ void Session::store_cached(const std::string& key, cl_program program) {
 static std::string remedy_for(const std::string& log) {
     const std::string extra = environment("GNOMON_BUILD_OPTIONS");
     if (!extra.empty()) return "does it without GNOMON_BUILD_OPTIONS (" + extra + ")?";
+    if (log.find("error") == std::string::npos)
+        return "the compiler gives no reason; a full disk is one: POCL_CACHE_DIR, else ~/.cache, and TMPDIR";
     if (log.find("unknown target CPU") == std::string::npos) return "";
     return "this driver's compiler is older than the CPU: use a newer driver or another one (docs/drivers.md)";
 }

@@ -252,9 +252,10 @@ Camera Framing::camera() const {
         return (reach.sides[2 * axis] + reach.sides[2 * axis + 1]) / (2 * reach.slope * slopes[axis]);
     };
     const glm::dvec3 middle = loaded(middle_.data());
-    // A small thing far from the origin: the eye is rounded to float32, so it must be many ulps (2^-24) away.
+    // A small thing far from the origin: rounding to float32 moves the eye by up to 2^-25 of its coordinates,
+    // which is at most 1/128 of this distance.
     const double distance =
-        std::max({needed(reaches_[0], 0), needed(reaches_[0], 1), std::ldexp(largest_coordinate(middle), -14), 1e-3});
+        std::max({needed(reaches_[0], 0), needed(reaches_[0], 1), std::ldexp(largest_coordinate(middle), -18), 1e-6});
     glm::dvec3 eye = middle - distance * loaded(camera_.forward);
     for (const std::size_t axis : {0u, 1u}) {
         std::size_t i = 0;  // the tightest slope that suits; the middle lies between its own and the next one's

@@ -67,8 +67,7 @@ GltfContainer read_glb(const std::filesystem::path& file, std::uint64_t size) {
 }  // namespace
 
 std::uint64_t file_size(const std::filesystem::path& file, const std::filesystem::path& scene_file) {
-    const std::string subject =
-        file == scene_file ? std::string() : "its buffer file " + in_quotes(file.string()) + " ";
+    const std::string subject = file == scene_file ? std::string() : "its file " + in_quotes(file.string()) + " ";
     std::error_code error;
     const std::filesystem::file_status status = std::filesystem::status(file, error);
     if (status.type() == std::filesystem::file_type::not_found) fail(scene_file, subject + "does not exist");
@@ -87,7 +86,7 @@ std::vector<unsigned char> read_bytes(const std::filesystem::path& file, const B
     stream.seekg(static_cast<std::streamoff>(range.offset));
     stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(range.size));
     if (!stream) {
-        const std::string subject = file == scene_file ? "" : "its buffer file " + in_quotes(file.string()) + " ";
+        const std::string subject = file == scene_file ? "" : "its file " + in_quotes(file.string()) + " ";
         fail(scene_file, subject + "cannot be read: check its permissions");
     }
     return bytes;

@@ -19,6 +19,7 @@
 #include "accessors.hpp"
 #include "affine.hpp"
 #include "animation.hpp"
+#include "extent.hpp"
 #include "gltf.hpp"
 #include "images.hpp"
 #include "pose.hpp"
@@ -133,6 +134,7 @@ public:
         make_materials();
         write_triangles(pose);
         if (keeps_doubles_ && !work_.moved.empty()) write_doubles(pose, needed_bytes);
+        if (!keeps_doubles_) check_places();
         warn();
         return std::move(work_.scene);
     }
@@ -1018,14 +1020,28 @@ private:
                                               move, size));
     }
 
+    /// Where float32 moves cameras and lights visibly.
+    void check_places() {
+        const Scene& scene = work_.scene;
+        if (scene.cameras.empty() && scene.lights.empty()) return;
+        const Extent extent(scene);
+        const auto check = [&](const char* kind, const std::string& name, const std::array<double, 3>& place) {
+            if (const double move = extent.visible_move(place); move > 0)
+                work_.moved.push_back(fmt::format("{} {} by {:.2g}", kind, in_quotes(name), move));
+        };
+        for (const NamedCamera& camera : scene.cameras) check("camera", camera.name, camera.eye);
+        for (const NamedLight& light : scene.lights)
+            if (light.light.xyzw[3] != 0) check("light", light.name, light.position);
+    }
+
     void warn(const std::string& what) { work_.scene.warnings.push_back(file_.string() + ": " + what); }
 
     void warn() {
         add_phrases();
         if (!work_.moved.empty())
             warn(
-                "float32 moves vertices, for their node lies far from the origin (move it there, or take Python's "
-                "Scene.from_gltf, which keeps doubles): " +
+                "float32 moves what lies far from the origin (move it there, or take Python's Scene.from_gltf, which "
+                "keeps doubles): " +
                 listed(work_.moved, 3));
         if (!work_.not_supported.empty()) {
             const std::vector<std::string> phrases(work_.not_supported.begin(), work_.not_supported.end());

@@ -82,6 +82,14 @@ char separator_of(std::string_view line) {
     return ' ';
 }
 
+/// The separator that a first line "sep=;" declares, as spreadsheets write it.
+std::optional<char> declared_separator(std::string_view line) {
+    const bool is_there = line.size() > 4 && lower_case(std::string(line.substr(0, 4))) == "sep=" &&
+                          std::string_view(";,\t").find(line[4]) != std::string_view::npos &&
+                          trimmed(line.substr(5)).empty();
+    return is_there ? std::optional(line[4]) : std::nullopt;
+}
+
 /// A cell without its quotes; two quotes inside are one.
 std::string unquoted(std::string_view raw) {
     std::string cell = trimmed(raw);
@@ -162,6 +170,7 @@ NumberTable::NumberTable(std::string_view text, std::string file, const TableCol
         ++number;
         const std::string line = replaced(next_line(text, at), no_break_space, " ");
         if (trimmed(line).starts_with('#') || line.find_first_not_of(",;\t \"") == std::string::npos) continue;
+        if (number == 1 && (separator = declared_separator(line))) continue;
         if (!separator) separator = separator_of(line);
         const bool is_one_column =
             std::ranges::any_of(columns.unnamed, [](const auto& names) { return names.size() == 1; });

@@ -30,7 +30,7 @@ gnomon_check(layout LABELS build quick COMMAND "${PROJECT_SOURCE_DIR}/tools/chec
 gnomon_check(layout_rules_bite LABELS build exhaustive
              COMMAND "${here}/check_layout_test.sh" "${PROJECT_SOURCE_DIR}/tools/check_layout.sh")
 
-# Six programs show how gnomon is used. Each is shown by a page, run by the tests (the Python ones by
+# Seven programs show how gnomon is used. Each is shown by a page, run by the tests (the Python ones by
 # tests/python/test_examples.py), and checks its own answer.
 function(gnomon_page_shows page language example)
   get_filename_component(name ${page} NAME_WE)
@@ -42,6 +42,7 @@ function(gnomon_page_shows page language example)
 endfunction()
 gnomon_page_shows(README.md cpp example.cpp)
 gnomon_page_shows(docs/embedding.md c embedding.c)
+gnomon_page_shows(docs/embedding.md rust embedding.rs)
 gnomon_page_shows(docs/many_lights.md cpp many_lights.cpp)
 gnomon_page_shows(docs/python.md python lit_points.py)
 gnomon_page_shows(docs/python.md python on_device.py)
@@ -54,6 +55,11 @@ if(NOT GNOMON_SANITIZE AND GNOMON_INSTALL)
   if(NOT GNOMON_PKG_CONFIG)
     message(WARNING "pkg-config not found: gnomon.pc goes untested (Debian package pkg-config)")
   endif()
+  find_program(GNOMON_RUSTC rustc PATHS /usr/bin NO_DEFAULT_PATH)  # the one that the page names
+  find_program(GNOMON_RUSTC rustc)
+  if(NOT GNOMON_RUSTC)
+    message(WARNING "rustc not found: the program in Rust goes untested (Debian package rustc)")
+  endif()
   find_program(GNOMON_NM nm)
   if(NOT GNOMON_NM)
     message(WARNING "nm not found: the shared library's symbols go untested (Debian package binutils)")
@@ -64,7 +70,7 @@ if(NOT GNOMON_SANITIZE AND GNOMON_INSTALL)
                      -D SCRATCH_DIR=${CMAKE_CURRENT_BINARY_DIR}/consumer_${way} -D CXX=${CMAKE_CXX_COMPILER}
                      -D CC=${CMAKE_C_COMPILER} -D NM=${GNOMON_NM}
                      -D LAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER} -D GENERATOR=${CMAKE_GENERATOR}
-                     -D PKG_CONFIG=${GNOMON_PKG_CONFIG}
+                     -D PKG_CONFIG=${GNOMON_PKG_CONFIG} -D RUSTC=${GNOMON_RUSTC}
                      -P "${here}/consumer_test.cmake")
     set_tests_properties(consumer_${way} PROPERTIES SKIP_REGULAR_EXPRESSION "NOT TESTED")
   endforeach()

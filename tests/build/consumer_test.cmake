@@ -86,6 +86,19 @@ if(WAY STREQUAL "installed_shared")
   endif()
 endif()
 
+# A program in Rust knows gnomon by the shared library alone.
+if(WAY STREQUAL "installed_shared")
+  if(RUSTC)
+    file(GLOB_RECURSE library "${prefix}/libgnomon.so")
+    cmake_path(GET library PARENT_PATH library_dir)
+    run("${RUSTC}" --edition 2021 -O -D warnings -L "${library_dir}" -C "link-arg=-Wl,-rpath,${library_dir}"
+        -o "${build}/embedding_in_rust" "${SOURCE_DIR}/tests/consumer/embedding.rs")
+    expect("${build}/embedding_in_rust" "0.00 0.00 1.00\n")
+  else()
+    message("NOT TESTED: there is no rustc to compile the program in Rust")
+  endif()
+endif()
+
 # The example's own calls are gnomon's alone, so that what it links is what gnomon.pc says. The C program is linked by a
 # C compiler, which knows no library of C++.
 if(NOT WAY STREQUAL "subproject" AND PKG_CONFIG)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 # A document's listing is a part of the example that the tests run, to the letter, and at most 14 lines long: the lines
 # between the comments "README begins" and "README ends".
-# cmake -D README=... -D EXAMPLE=... [-D LANGUAGE=c|cpp|python] -P readme_shows_example.cmake
+# cmake -D README=... -D EXAMPLE=... [-D LANGUAGE=c|cpp|python|rust] -P readme_shows_example.cmake
 if(NOT LANGUAGE)
   set(LANGUAGE cpp)
 endif()

@@ -747,6 +747,28 @@ TEST_F(Command, HoursOfPointsAndPictures) {
     EXPECT_EQ(text_of(in_folder("a.exr")), first);
 }
 
+// At 4,500,000 float32 has steps of half a metre: decimals of a table move there, and a warning counts them.
+TEST_F(Command, PointsOfEarthSizeAreNamed) {
+    std::vector<float> vertices = floor_and_square();
+    for (std::size_t i = 0; i < vertices.size(); i += 3) vertices[i] += 4'500'000;
+    write_scene(folder_, "town", vertices);
+    std::ofstream(in_folder("suns.csv")) << "x,y,z\n0,-1,0\n";
+    const auto hours = [&](const std::string& rows, Arguments more) {
+        std::ofstream(in_folder("points.csv")) << "x,y,z\n" << rows;
+        Arguments all{"hours", "town.gltf", "--directions", "suns.csv", "--points", "points.csv", "-o", "out.csv"};
+        all.insert(all.end(), more.begin(), more.end());
+        return run(all);
+    };
+    const Outcome held = hours("4500001.5,0.1,0.3\n", {"--strict"});
+    EXPECT_EQ(held.exit_code, 0) << held.err;
+    const Outcome moved = hours("4500001.5,0,0\n4500001.7,0,0\n4500002.2,0,0\n", {});
+    EXPECT_EQ(moved.exit_code, 0);
+    EXPECT_NE(moved.err.find("points.csv: float32 moves 2 points far from the origin, the first by 0.2"),
+              std::string::npos)
+        << moved.err;
+    EXPECT_NE(hours("4500001.7,0,0\n", {"--strict"}).err.find("moves 1 point far"), std::string::npos);
+}
+
 TEST_F(Command, HoursRefusesWhatHasNoMeaning) {
     std::ofstream(in_folder("suns.csv")) << "0,-1,0\n";
     std::ofstream(in_folder("points.csv")) << "x,y\n0,0\n";
@@ -772,7 +794,9 @@ TEST_F(Command, HoursRefusesWhatHasNoMeaning) {
         {{"-o", "a.png", "--epw", "a.epw", "--directions", "suns.csv"}, 2, "excludes --epw"},
         {{"-o", "a.png", "--epw", "a.epw", "--unit", "Wh"}, 2, "--unit excludes --epw"},
         {{"-o", "a.png", "--epw", "missing.epw"}, 1, "cannot read missing.epw"},
-        {{"-o", "a.png", "--epw", "suns.csv"}, 1, "suns.csv (read as a TMY3 table): must have 7 columns"},
+        {{"-o", "a.png", "--epw", "suns.csv"},
+         1,
+         "suns.csv (no EPW file, so read as a TMY3 table): must have 7 columns"},
         {{"--directions", "suns.csv"}, 2, "nothing to write"},
         {{"-o", "a.csv", "--directions", "suns.csv"}, 2, "ends with .png"},
         {{"-o", "a.png", "--directions", "suns.csv", "--points", "points.csv"}, 2, "ends with .csv or .npy"},

@@ -491,12 +491,29 @@ TEST_F(SceneFile, EqualWarningsAreOneWithTheirParts) {
     EXPECT_LT(scene.warnings[0].size(), 700u) << scene.warnings[0];
 }
 
+// A texture that is not there is an image, and its path stands once.
+TEST_F(SceneFile, AMissingImageIsNamedOnce) {
+    Gltf gltf = triangle_file();
+    gltf.add("bufferViews", R"({"buffer": 0, "byteLength": 24})");
+    gltf.accessor(1, f32, 3, "VEC2");
+    gltf.set("/meshes/0/primitives", R"([{"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "material": 0}])");
+    gltf.set("/materials", R"([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}])");
+    gltf.set("/textures", R"([{"source": 0}])");
+    gltf.set("/images", R"([{"uri": "wood.png"}])");
+    const auto image = [](std::span<const unsigned char>, std::uint64_t) { return gnomon::scene::ColorImage{}; };
+    const Scene scene = load(gltf, {.decode_colors = image});
+    ASSERT_EQ(scene.warnings.size(), 1u);
+    expect_warning(scene, {"its image cannot be read: its file '", "wood.png' does not exist"});
+    EXPECT_EQ(scene.warnings[0].find("wood.png"), scene.warnings[0].rfind("wood.png"));
+    EXPECT_EQ(scene.warnings[0].find("buffer"), std::string::npos);
+}
+
 // A node of Earth size moves float32 vertices: .25 m here, at triangles of 1 m. One far away, but large, does not.
 TEST_F(SceneFile, NodesOfEarthSizeAreNamed) {
     Gltf gltf = triangle_file();
     gltf.set("/nodes/0/translation", "[4500001.1, 0, 5300001.1]");
     gltf.set("/nodes/0/name", R"("place")");
-    expect_warning(load(gltf), {"float32 moves vertices", "mesh 'thing' under node 'place' by up to 0.1"});
+    expect_warning(load(gltf), {"float32 moves what lies far", "mesh 'thing' under node 'place' by up to 0.1"});
     gltf.set("/nodes/0/scale", "[1e6, 1e6, 1e6]");
     EXPECT_TRUE(load(gltf).warnings.empty());
     gltf.set("/nodes/0/scale", "[1, 1, 1]");
@@ -506,7 +523,35 @@ TEST_F(SceneFile, NodesOfEarthSizeAreNamed) {
     EXPECT_TRUE(load(gltf).warnings.empty());
     gltf.set("/nodes/0/translation", "[4500001.1, 0, 5300001.1]");
     gltf.set("/nodes/0/scale", "[0.01, 0.01, 0.01]");  // and makes one point of the triangle
-    expect_warning(load(gltf), {"float32 moves vertices", "its triangles measure 0.01"});
+    expect_warning(load(gltf), {"float32 moves what lies far", "its triangles measure 0.01"});
+}
+
+// So are cameras and lamps, beside a mesh that float32 holds; far from a scene they move nothing that it shows.
+TEST_F(SceneFile, CamerasAndLampsOfEarthSizeAreNamed) {
+    Gltf gltf = triangle_file();
+    gltf.set("/extensionsUsed", R"(["KHR_lights_punctual"])");
+    gltf.set("/extensions", R"({"KHR_lights_punctual": {"lights": [{"type": "point"}, {"type": "directional"}]}})");
+    gltf.set("/cameras", R"([{"type": "perspective", "perspective": {"yfov": 1, "znear": 1}}])");
+    const auto nodes = [&](const std::string& mesh_at, const std::string& at) {
+        gltf.set("/nodes",
+                 R"([{"mesh": 0, "translation": )" + mesh_at + R"(}, {"name": "eye", "camera": 0, "translation": )" +
+                     at + R"(}, {"name": "lamp", "translation": )" + at +
+                     R"(, "extensions": {"KHR_lights_punctual": {"light": 0}}}, {"name": "sun", "translation": )" + at +
+                     R"(, "extensions": {"KHR_lights_punctual": {"light": 1}}}])");
+        gltf.set("/scenes/0/nodes", "[0, 1, 2, 3]");
+    };
+    nodes("[4500001, 0, 5300001]", "[4500001.201, 3, 5300001]");
+    const Scene moved = load(gltf);
+    ASSERT_EQ(moved.warnings.size(), 1u);
+    expect_warning(moved, {"float32 moves what lies far", "camera 'eye' by 0.2, light 'lamp' by 0.2"});
+    EXPECT_EQ(moved.warnings[0].find("sun"), std::string::npos);
+    EXPECT_TRUE(load(gltf, {.keeps_doubles = true}).warnings.empty());
+    for (const char* at : {"[4500001.5, 3, 5300001]", "[4500001, 3e9, 5300001]"}) {
+        nodes("[4500001, 0, 5300001]", at);
+        EXPECT_TRUE(load(gltf).warnings.empty()) << at;
+    }
+    nodes("[0, 0, 0]", "[3.1, 0.1, 1e8]");
+    EXPECT_TRUE(load(gltf).warnings.empty());
 }
 
 // Who asks for doubles has the sums of the file's numbers, and no warning; where float32 serves there are none.
@@ -522,7 +567,7 @@ TEST_F(SceneFile, DoublesAreKeptWhereFloat32MovesVertices) {
     constexpr std::array place{4500001.1, 0.0, 5300001.1};
     for (std::size_t i = 0; i < 9; ++i) EXPECT_EQ(scene.doubles[i], double(at_origin[i]) + place[i % 3]) << i;
     gltf.set("/nodes/0/name", R"("place")");
-    expect_warning(load(gltf, {.memory_bytes = 100, .keeps_doubles = true}), {"float32 moves vertices"});
+    expect_warning(load(gltf, {.memory_bytes = 100, .keeps_doubles = true}), {"float32 moves what lies far"});
 }
 
 TEST_F(SceneFile, GlassIsNamed) {
@@ -1122,6 +1167,9 @@ TEST(DefaultCamera, FillsThePicture) {
         {"a long thing", cuboid({-500, 0, 0}, {500, 1, 1}), {}},
         {"two things far apart", together(cube, far_off), {}},
         {"small and far from the origin", cuboid({1000, 1000, 1000}, {1001, 1001, 1001}), {}},
+        {"small and farther from the origin", cuboid({1e5f, 0, 1e5f}, {1e5f + 2, 2, 1e5f + 2}), {}},
+        {"a house at 400 km", cuboid({4e5f, 0, 4e5f}, {4e5f + 10, 8, 4e5f + 10}), {}},
+        {"a grain", cuboid({0, 0, 0}, {1e-5f, 1e-5f, 1e-5f}), {}},
         {"ground alone", ground, {}},
         {"Earth-size", cuboid({4.5e6f, 0, 5.3e6f}, {4.6e6f, 1e4f, 5.4e6f}), {}},
     };

@@ -121,7 +121,7 @@ TEST_F(WeatherFiles, ALeapDayCountsInALeapYearAlone) {
 TEST_F(WeatherFiles, BrokenFilesAreOneSentence) {
     const std::string good = MadeEpw().text(), row = "2019,6,21,5,";
     expect_refused("", "names no place in its first line");
-    expect_refused("\1\2 nothing\n", "(read as a TMY3 table): names no place in its first line");
+    expect_refused("\1\2 nothing\n", "so read as a TMY3 table): names no place in its first line");
     expect_refused("time,dni\n1,2\n", "names no place in its first line");
     expect_refused(replaced(good, "48.2", "north"), "line 1 has latitude = \"north\", which is no finite number");
     expect_refused(replaced(good, "48.2", "148.2"), "line 1 has latitude = 148.2, which is no latitude");
@@ -142,7 +142,7 @@ TEST_F(WeatherFiles, BrokenFilesAreOneSentence) {
     expect_refused(good.substr(0, good.find("2019,")), "has 0 hours, which are not whole days");
     expect_refused(good + good.substr(good.find("2019,")), "has the day 2019-06-21 twice");
     expect_refused("1,Made,AU,2,3,4,5\nDate (MM/DD/YYYY),Time (HH:MM),GHI (W/m^2)\n",
-                   "(read as a TMY3 table): needs the columns date, time and DNI");
+                   "so read as a TMY3 table): needs the columns date, time and DNI");
     expect_refused("1,Made,AU,2,3,4,5\nDate,Time,DNI\n06/21/2019,01:30,5\n", "which is not MM/DD/YYYY HH:00");
     EXPECT_THROW(read_weather(folder_ / "none.epw"), gnomon::Error);
 }

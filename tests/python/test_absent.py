@@ -138,6 +138,20 @@ def test_numbers_that_mean_no_data(scene, number, nan):
                 gnomon.Scene(*arguments)
 
 
+@pytest.mark.parametrize("type", ["int32", "int64", "uint32", "uint64"])
+def test_integers_that_nan_becomes(scene, type):
+    limits = np.iinfo(type)
+    for number in {limits.min, limits.max} - {0}:
+        with pytest.raises(ValueError, match="points: row 1 .* stands for no data"):
+            scene.lit(np.array([[0, 0, 0], [0, number, 0]], type), direction=DOWN)
+
+
+def test_sixteen_bits_are_places(scene):
+    """Quantized positions use all of them."""
+    rows = np.array([[-32768, 32767, 0], [0, 0, 0]], "int16")
+    assert scene.lit(rows, direction=DOWN).tolist() == [True, False]
+
+
 def test_large_places_are_places(scene):
     points = np.float32([[0, 0, -1e37], [1e37, 0, 0], [-3e38, 0, 0]])
     assert scene.lit(points, direction=DOWN).tolist() == [False, True, True]

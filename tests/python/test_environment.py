@@ -30,6 +30,7 @@ UNWRITABLE = {
     "GNOMON_CACHE_DIR is a file": {"GNOMON_CACHE_DIR": "/etc/hostname"},
     "TMPDIR": {"TMPDIR": NEVER},
     "TMPDIR and HOME": {"TMPDIR": NEVER, "HOME": NEVER, "XDG_CACHE_HOME": ""},
+    "devices": {"HOME": "/dev/null", "XDG_CACHE_HOME": "/dev/null", "GNOMON_CACHE_DIR": "/dev/full"},
     "all of them": {"TMPDIR": NEVER, "HOME": NEVER, "XDG_CACHE_HOME": NEVER, "GNOMON_CACHE_DIR": NEVER},
 }
 
@@ -52,6 +53,16 @@ def test_a_folder_that_can_be_written_stays_the_one(tmp_path):
         pytest.skip("only PoCL keeps kernels in this folder")
     done = run(ANSWER + "; import os; print(os.environ['POCL_CACHE_DIR'])", POCL_CACHE_DIR=str(tmp_path / "a" / "b"))
     assert done.stdout == f"{RIGHT}\n{tmp_path}/a/b\n" and list((tmp_path / "a" / "b").iterdir())
+
+
+def test_a_full_disk_is_named(tmp_path):
+    """Every file is full at a kilobyte, as this process sees it."""
+    if not is_pocl():
+        pytest.skip("only PoCL's compiler is known to say nothing then")
+    code = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (1024, 1024))\n" + SAID
+    folders = {"POCL_CACHE_DIR": str(tmp_path / "p"), "GNOMON_CACHE_DIR": str(tmp_path / "g")}
+    said = run(code.replace("gnomon.DeviceNotFoundError", "gnomon.OpenCLError"), **folders).stdout
+    assert "compiling kernels/" in said and "a full disk is one: POCL_CACHE_DIR" in said
 
 
 @pytest.mark.skipif(os.geteuid() != 0, reason="only the superuser becomes another user")

@@ -3,7 +3,11 @@
 the first rounds. Beside them stand bare OpenCL calls, which tell what the driver itself keeps. (C++ and C, where no
 interpreter blurs the heap: tests/c/nothing_grows_test.cpp.)
 
-GNOMON_ROUNDS=1000 repeats each a thousand times."""
+GNOMON_ROUNDS=1000 repeats each a thousand times. Once, on 2026-11-27 with PoCL 3.1: threads, files, device memory were
+the same after the first hundred rounds and after the last; memory grew by 2.6 kB a round for a prepared light, .2 kB
+for vertices, .1 kB for other settings, less or nothing for the others, and .7 kB for a bare program. What opens a
+device, and a study, were repeated 150 times, for it takes a second: the study 7 kB, arrays of one queue 1, use() and a
+device by name 104 to 112, queues of the caller's 266 and 338: of these PoCL keeps 125 to 190 (LIMIT_WITH_DEVICE)."""
 
 import json
 import os

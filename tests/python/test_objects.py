@@ -132,6 +132,13 @@ REFUSED = {
     "a raster of xarray": (raster, "gnomon.study.*raster="),
     "an xarray dataset": (lambda: raster().to_dataset(name="dsm"), "gnomon.study.*raster="),
     "a cloud of trimesh": (lambda: trimesh().PointCloud(VERTICES), "no faces"),
+    "a cloud of pyvista": (lambda: pyvista().PolyData(VERTICES), "points or lines and no faces"),
+    "lines of pyvista": (lambda: pyvista().Line(), "points or lines and no faces"),
+    "lines of meshio": (lambda: meshio([("line", [[0, 1]])]), "points or lines and no faces"),
+    "a trimesh scene of paths": (
+        lambda: trimesh().Scene(trimesh().load_path(VERTICES[:2].astype(float))),
+        "points or lines and no faces",
+    ),
     "meshes in a list": (lambda: [trimesh().Trimesh(VERTICES, FACES)] * 2, "trimesh.util.concatenate"),
     "meshio tetrahedra": (lambda: meshio([("tetra", [[0, 1, 2, 3]])]), "pyvista.wrap.*extract_surface"),
     "a polygon": (lambda: types.SimpleNamespace(geom_type="Polygon"), "extrude_polygon"),
@@ -145,6 +152,17 @@ def test_not_taken_says_what_to_call(member):
     make, remedy = REFUSED[member]
     with pytest.raises(TypeError, match=f"^vertices: .*{remedy}"):
         gnomon.Scene(make())
+
+
+def test_arrays_that_hold_no_numbers_say_what_to_call():
+    """An iterator, and the records that readers of PLY and LAS files give."""
+    with pytest.raises(ValueError, match=r"^vertices: .*list\(\)"):
+        gnomon.Scene(iter(ROOF))
+    records = np.array([tuple(v) for v in VERTICES], [(axis, "f4") for axis in "xyz"])
+    with pytest.raises(ValueError, match="^vertices: .*records of x, y, z: .*structured_to_unstructured"):
+        gnomon.Scene(records, FACES)
+    vertices = np.lib.recfunctions.structured_to_unstructured(records)
+    assert gnomon.Scene(vertices, FACES).lit(POINTS, direction=DOWN).tolist() == RIGHT
 
 
 def test_the_remedy_for_a_cell_of_a_volume_helps():
@@ -266,7 +284,7 @@ OTHER_FILES = {
     "half a file": (lambda: io.BytesIO(LEAVES.read_bytes()[:5000]), ValueError, "^<BytesIO>: "),
     "files beside it": (
         lambda: io.BytesIO(b'{"asset":{"version":"2.0"},"buffers":[{"uri":"a.bin","byteLength":4}]}'),
-        ValueError, "^<BytesIO>: its buffer file 'a.bin' does not exist .*give the file's name",
+        ValueError, "^<BytesIO>: its file 'a.bin' does not exist .*give the file's name",
     ),
 }  # fmt: skip
 

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -101,12 +102,27 @@ FILL_VALUES = (*(s * float(np.finfo(t).max) for t in (np.float32, np.float64) fo
                9.969209968386869e36, 1.70141e38, 1.7014118346046923e38)  # fmt: skip
 
 
-def require_no_fill_values(array: NDArray[Any], name: str) -> None:
-    """Rows (N, ...) of real numbers. A value that is far out is looked at alone."""
-    if array.dtype.kind != "f" or not array.size or max(-float(np.nanmin(array)), float(np.nanmax(array))) < 1e36:
-        return
+def _fill_values_of(array: NDArray[Any]) -> NDArray[Any] | None:
+    """Those that its type holds; None where no value is far out. Of integers the extremes of 32 and 64 bits, which NaN
+    becomes; 16 bits are full of quantized positions."""
+    if not array.size:
+        return None
+    if array.dtype.kind in "iu":
+        limits = np.iinfo(array.dtype)
+        values = np.array([n for n in (limits.min, limits.max) if n != 0], array.dtype)
+        return values if limits.bits >= 32 and np.isin(values, (array.min(), array.max())).any() else None
+    if array.dtype.kind != "f" or max(-float(np.nanmin(array)), float(np.nanmax(array))) < 1e36:
+        return None
     with np.errstate(over="ignore"):
-        is_fill = np.isin(array, np.array(FILL_VALUES).astype(array.dtype)) & np.isfinite(array)
+        return np.array(FILL_VALUES).astype(array.dtype)
+
+
+def require_no_fill_values(array: NDArray[Any], name: str) -> None:
+    """Rows (N, ...) of real numbers."""
+    values = _fill_values_of(array)
+    if values is None:
+        return
+    is_fill = np.isin(array, values) & np.isfinite(array)
     row = first_row(is_fill.reshape(len(array), -1).any(axis=1))
     if row is not None:
         raise ValueError(
@@ -155,8 +171,15 @@ def first_row(rows: NDArray[np.bool_]) -> int | None:
 
 
 def require_real(array: NDArray[Any], name: str) -> None:
+    if array.dtype.names:
+        raise ValueError(
+            f"{name}: must be real numbers, not records of {', '.join(array.dtype.names)}: "
+            "numpy.lib.recfunctions.structured_to_unstructured(records) makes them"
+        )
     if array.dtype.kind not in "iuf":
-        raise ValueError(f"{name}: must be real numbers, not {array.dtype}")
+        is_iterator = array.ndim == 0 and isinstance(array.item(), Iterator)
+        remedy = ": give the list() of an iterator" if is_iterator else ""
+        raise ValueError(f"{name}: must be real numbers, not {array.dtype}{remedy}")
 
 
 def require_integers(array: NDArray[Any], name: str) -> None:

@@ -12,6 +12,10 @@ import numpy as np
 #: Faces of meshio's cells as triangles; cells without area are left out.
 TRIANGLES_OF_CELLS = {"triangle": [[0, 1, 2]], "quad": [[0, 1, 2], [0, 2, 3]]}
 CELLS_WITHOUT_AREA = ("vertex", "line", "line3")
+#: What is said of the rest; what has not even points is an empty scene.
+WITHOUT_FACES = (
+    "vertices: {} is no mesh: it has points or lines and no faces: they shadow nothing; give vertices and faces"
+)
 
 
 def mesh_of(vertices: Any, faces: Any) -> tuple[Any, Any]:
@@ -33,6 +37,8 @@ def _of_trimesh(mesh: Any) -> tuple[Any, Any] | None:
     if hasattr(mesh, "geometry") and hasattr(mesh, "graph"):  # a scene: its parts where its transforms put them
         parts = [part for part in mesh.dump() if hasattr(part, "faces")]
         counts = np.cumsum([0, *(len(part.vertices) for part in parts)])
+        if not parts and len(mesh.geometry):
+            raise TypeError(WITHOUT_FACES.format(type(mesh).__name__))
         if not parts:
             return np.empty((0, 3)), np.empty((0, 3), np.int64)
         return (
@@ -51,8 +57,11 @@ def _of_pyvista(mesh: Any) -> tuple[Any, Any] | None:
             mesh = mesh.extract_geometry()
         if not (hasattr(mesh, "triangulate") and hasattr(mesh, "points")):
             return None
-        surface = (mesh if hasattr(mesh, "regular_faces") else mesh.extract_surface()).triangulate()
-    return surface.points, np.asarray(surface.faces).reshape(-1, 4)[:, 1:]
+        surface = mesh if hasattr(mesh, "regular_faces") else mesh.extract_surface()
+        triangles = surface.triangulate()
+    if surface.n_cells and not len(triangles.faces):
+        raise TypeError(WITHOUT_FACES.format(type(mesh).__name__))
+    return triangles.points, np.asarray(triangles.faces).reshape(-1, 4)[:, 1:]
 
 
 def _of_meshio(mesh: Any) -> tuple[Any, Any] | None:
@@ -67,6 +76,8 @@ def _of_meshio(mesh: Any) -> tuple[Any, Any] | None:
                 f"vertices: a meshio mesh with cells of type {block.type!r}: of triangles and quads alone the surface "
                 "is known; take it with pyvista.wrap(mesh).extract_surface()"
             )
+    if mesh.cells and len(faces) == 1:
+        raise TypeError(WITHOUT_FACES.format(type(mesh).__name__))
     if points.ndim == 2 and points.shape[1] == 2:
         points = np.column_stack([points, np.zeros(len(points))])
     return points, np.concatenate(faces)
@@ -107,5 +118,5 @@ def _remedy(given: Any) -> str | None:
     if isinstance(given, list | tuple) and given and hasattr(given[0], "faces"):
         return "join the meshes first, with trimesh.util.concatenate(meshes) or pyvista.merge(meshes)"
     if hasattr(given, "points") or hasattr(given, "vertices"):
-        return "it has points and no faces: a cloud of points shadows nothing; give vertices and faces"
+        return "it has points or lines and no faces: they shadow nothing; give vertices and faces"
     return None

@@ -158,7 +158,7 @@ def _read(file: Path, is_epw: bool) -> Weather:
         else:
             table, place = pvlib.iotools.read_tmy3(_text_of(file), map_variables=True)
     except Exception as error:  # pvlib lets pandas' errors through, of many kinds
-        kind = "an EPW file" if is_epw else "a TMY3 table"
+        kind = "an EPW file" if is_epw else "a TMY3 table, and is no EPW file"
         raise ValueError(f"{file}: cannot be read as {kind}: {(str(error) or repr(error)).splitlines()[0]}") from None
     columns = [_power(file, table, name) for name in ("dni", "dhi", "ghi")]
     middles = _middles(table.index, is_epw)

@@ -60,7 +60,7 @@ class GnomonAccessor:
         float32, NaN where there is no data. The arguments are those of gnomon.viewshed(). x_dim: the dimension that
         runs eastwards, if its name is not one of the usual ones, and it is not the last one."""
         dem, x, y = self._flat(x_dim)
-        _require_metres(dem)
+        _require_metres(dem, x, y)
 
         def layers(heights: NDArray[np.float64]) -> NDArray[np.float32]:
             grid = ViewshedGrid(heights, x=x, y=y, refraction=refraction, radius=radius)
@@ -89,7 +89,7 @@ class GnomonAccessor:
         known = crs if crs is not None else _crs_of(dem)
         if known is None:
             raise ValueError("crs: the heights have no CRS, which gives the place on the Earth: give crs=")
-        _require_metres(dem, known)
+        _require_metres(dem, x, y, known)
         layers = functools.partial(_sun_hours, x=x, y=y, crs=known, settings=settings)
         (hours,) = self._results(dem, layers, 1)
         return hours.rename("sun_hours").assign_attrs(units="h", long_name="hours of sun")
@@ -151,7 +151,7 @@ def _crs_of(dem: xarray.DataArray) -> Any:
     return dem.attrs.get("crs")
 
 
-def _require_metres(dem: xarray.DataArray, crs: Any = None) -> None:
+def _require_metres(dem: xarray.DataArray, x: NDArray[np.float64], y: NDArray[np.float64], crs: Any = None) -> None:
     known = crs if crs is not None else _crs_of(dem)
     if known is None:
         return
@@ -162,7 +162,7 @@ def _require_metres(dem: xarray.DataArray, crs: Any = None) -> None:
     except ModuleNotFoundError as error:
         raise ImportError(NEEDS.format(error.name)) from None
     try:
-        require_metres("heights", known)
+        require_metres("heights", known, float(x.mean()), float(y.mean()))
     except pyproj.exceptions.CRSError as error:
         raise ValueError(f"crs: {error}") from None
 

@@ -211,6 +211,15 @@ def test_files_without_triangles_say_why(tmp_path, name):
             directions=str(tmp_path / "suns.csv"), outputs=["bits"])  # fmt: skip
 
 
+def test_faces_of_files_without_triangles_name_the_file(tmp_path):
+    text, _ = NO_MESHES["points.ply"]
+    (tmp_path / "cloud.ply").write_text(text)
+    np.savetxt(tmp_path / "suns.csv", DOWN, delimiter=",", header="x,y,z", comments="")
+    with pytest.raises(ValueError, match=r"receivers: .*cloud\.ply: no triangle has an area"):
+        run(tmp_path / "study", meshes=str(tmp_path / "cloud.ply"), receivers="faces",
+            directions=str(tmp_path / "suns.csv"))  # fmt: skip
+
+
 def test_a_unit_that_a_mesh_declares(tmp_path):
     """3MF in millimetres, its default."""
     pytest.importorskip("networkx")
@@ -400,8 +409,17 @@ def test_tiles_of_one_product(tmp_path, name):
 
 REFUSED = {
     "degrees": (dict(crs="EPSG:4326", transform=rasterio.Affine(5e-5, 0, 11, 0, -5e-5, 48)),
-                "dsm.tif: its coordinates are degrees .WGS 84., not metres on a map: warp it .* .rio warp"),
-    "feet": (dict(crs="EPSG:2229"), "not metres on a map but US survey foot .NAD83.*: warp it .* height_unit="),
+                "dsm.tif: its coordinates are degrees .WGS 84., not metres on a map: warp it .* .rio warp.*EPSG:32632"),
+    "degrees of Colorado": (dict(crs="EPSG:4269", transform=rasterio.Affine(5e-5, 0, -105.9, 0, -5e-5, 40.5)),
+                            "degrees .NAD83.*--dst-crs EPSG:32613"),
+    "degrees of Wellington": (dict(crs="EPSG:4326", transform=rasterio.Affine(5e-5, 0, 174.8, 0, -5e-5, -41.3)),
+                              "--dst-crs EPSG:32760"),
+    "degrees of Svalbard's north": (dict(crs="EPSG:4326", transform=rasterio.Affine(5e-5, 0, 20, 0, -5e-5, 84.5)),
+                                    "--dst-crs EPSG:32661"),
+    "degrees beyond the antimeridian": (
+        dict(crs="EPSG:4326", transform=rasterio.Affine(5e-5, 0, 183, 0, -5e-5, -17)), "--dst-crs EPSG:32701"),
+    "feet": (dict(crs="EPSG:2229", transform=rasterio.Affine(5, 0, 6_480_000, 0, -5, 1_840_000)),
+             "not metres on a map but US survey foot .NAD83.*: warp it .*EPSG:32611.* height_unit="),
     "a site's grid in feet": (dict(crs='LOCAL_CS["site",UNIT["foot",0.3048]]'), "not metres on a map but foot"),
     "an unknown unit": (dict(unit="furlong"), "dsm.tif: its heights are in \"furlong\".*give height_unit="),
     "depths": (dict(crs="EPSG:26913+5715"), "points down, and a study needs heights"),

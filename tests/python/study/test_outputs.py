@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: MIT
 """What comes out: GeoTIFF, picture, record, the command line, and the page of docs with its picture."""
 
+import copy
 import json
+import pickle
 import re
 import shlex
 import subprocess
@@ -39,6 +41,12 @@ def test_a_cog_of_hours(study):
         assert (one[one != file.nodata] == hours[one != file.nodata]).all()
         assert (two == np.where(np.isnan(hours), file.nodata, undecided)).all()
     assert list(path.parent.glob(".gnomon-*")) == []
+
+
+@pytest.mark.parametrize("travel", [copy.copy, copy.deepcopy, lambda study: pickle.loads(pickle.dumps(study))])
+def test_a_study_travels_as_its_folder(study, travel):
+    other = travel(study)
+    assert other is not study and other.digests() == study.digests()
 
 
 def test_packed_hours_as_the_solar_api_has_them(study):

@@ -129,6 +129,7 @@ def test_tables_of_all_kinds(tmp_path):
         ("x,y,z\n1,2,-1e39\n", ', line 2 has z = "-1e39", which is beyond float32'),
         ("x,y,z,weight\n1,2,-3,1e39\n", ', line 2 has weight = "1e39", which is beyond float32'),
         ("azimuth,elevation\n10,91\n", ", line 2 has an elevation beyond 90 degrees"),
+        ("azimuth,elevation\n-9999,9\n", ", line 2 has an azimuth beyond 360 degrees"),
         ("x,y,z\n", ": has no suns"),
     ],
 )
@@ -210,3 +211,9 @@ def test_a_polar_night_has_no_hours(tmp_path):
     (tmp_path / "night.csv").write_text("azimuth,elevation,weight\n180,-4,2\n")
     by_table = run(tmp_path / "t", raster=raster, directions=str(tmp_path / "night.csv"), outputs=["weights"])
     assert (by_table.dataset().sum_of_weights.values == 0).all()
+
+
+def test_a_point_without_a_height_is_no_place(tmp_path):
+    (tmp_path / "points.csv").write_text("x,y,z\n0,0,0.5\n50,-1.5,-9999\n")
+    with pytest.raises(ValueError, match="points.csv, line 3 has z = -9999, which is no height"):
+        read_points(str(tmp_path / "points.csv"))

@@ -82,6 +82,9 @@ class Study:
         """Recomputes a random share of the tasks and compares bits."""
         return verify(self.folder, share, device, seed)
 
+    def __reduce__(self) -> Any:
+        return open_study, (self.folder,)  # of a copy, too: it lies in its folder
+
     def __repr__(self) -> str:
         record = self.record
         return (

@@ -197,7 +197,7 @@ def _checked(name: str) -> Any:
             "warp IN.tif OUT.tif --dst-crs with its own CRS)"
         )
     if data.crs is not None:
-        require_metres(name, data.crs)
+        require_metres(name, data.crs, *(grid @ (data.width / 2, data.height / 2)))
     interpretation = data.colorinterp[0].name
     if interpretation not in ("gray", "undefined") or np.dtype(data.dtypes[0]).kind == "c":
         raise ValueError(

@@ -199,8 +199,10 @@ def write_points(settings: Settings, file: Path) -> None:
         values = np.concatenate(
             [points_on_faces(mesh_triangles(settings, name), settings.spacing) for name in settings.meshes]
         )
+    if not len(values) and settings.receivers == "faces":
+        raise ValueError(f"receivers: 'faces' gives none, for {', '.join(settings.meshes)}: no triangle has an area")
     if not len(values):
-        raise ValueError(f"receivers: {settings.receivers!r} gives no receiver")
+        raise ValueError(f"{settings.points}: has no points")
     np.save(file, values)
 
 

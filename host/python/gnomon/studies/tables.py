@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _gnomon
-from .._arrays import first_row
+from .._arrays import NO_HEIGHTS, first_row
 
 SUN_COLUMNS = ("x", "y", "z"), ("x", "y", "z", "weight")
 OBSERVER_COLUMNS = ("x", "y"), ("x", "y", "height")
@@ -113,6 +113,8 @@ def read_suns(file: str) -> SunTable:
     azimuth = elevation = None
     if has_angles:
         azimuth, elevation = table.numbers("azimuth"), table.numbers("elevation")
+        if (row := first_row(np.asarray(np.abs(azimuth) > 360))) is not None:
+            table.refuse(row, "an azimuth beyond 360 degrees")
         if (row := first_row(np.asarray(np.abs(elevation) > 90))) is not None:
             table.refuse(row, "an elevation beyond 90 degrees")
         is_up = elevation > 0
@@ -164,6 +166,8 @@ def read_points(file: str) -> NDArray[np.float64]:
     table.require(list(positions), "points need the columns x, y, z, and nx, ny, nz for the side that they face")
     names = with_normals if _has(table, *with_normals) else positions
     points = np.stack([table.numbers(name) for name in names], axis=1)
+    if (row := first_row(np.isin(points[:, 2], NO_HEIGHTS))) is not None:
+        table.refuse(row, f"z = {points[row, 2]:g}, which is no height but stands for no data: leave the row out")
     if len(names) > 3 and (row := first_row((points[:, 3:] == 0).all(axis=1))) is not None:
         table.refuse(row, "nx, ny, nz = 0, 0, 0, which is no side")
     return points

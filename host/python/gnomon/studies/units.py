@@ -44,19 +44,30 @@ def horizontal(crs: Any) -> pyproj.CRS:
     return whole.sub_crs_list[0] if whole.is_compound else whole.to_2d()
 
 
-def require_metres(name: str, crs: Any) -> None:
-    """Raises ValueError for a CRS that is no map in metres."""
+def utm_at(crs: pyproj.CRS, x: float, y: float) -> int:
+    """The EPSG code of the UTM zone, or of the polar map, at a place of a CRS; 32632 where the CRS does not say where
+    on Earth that is."""
+    try:
+        longitude, latitude = pyproj.Transformer.from_crs(crs, "EPSG:4326", always_xy=True).transform(x, y)
+    except pyproj.exceptions.ProjError:
+        return 32632
+    if not (np.isfinite(longitude) and abs(latitude) <= 90):
+        return 32632
+    if abs(latitude) > 84:
+        return 32661 if latitude > 0 else 32761
+    return (32600 if latitude >= 0 else 32700) + int((longitude + 180) % 360 // 6) + 1
+
+
+def require_metres(name: str, crs: Any, x: float, y: float) -> None:
+    """Raises ValueError for a CRS that is no map in metres. x, y: a place of it, for the remedy."""
     flat = horizontal(crs)
+    warp = f"warp it to UTM or a national grid first (rio warp IN.tif OUT.tif --dst-crs EPSG:{utm_at(flat, x, y)})"
     units = {axis.unit_name: axis.unit_conversion_factor for axis in flat.axis_info}
     if flat.is_geographic:
-        raise ValueError(
-            f"{name}: its coordinates are degrees ({flat.name}), not metres on a map: warp it to UTM or a national "
-            "grid first (rio warp IN.tif OUT.tif --dst-crs EPSG:32632, the zone of your place)"
-        )
+        raise ValueError(f"{name}: its coordinates are degrees ({flat.name}), not metres on a map: {warp}")
     if flat.is_geocentric or any(abs(factor - 1) > 1e-12 for factor in units.values()):
         raise ValueError(
-            f"{name}: its coordinates are not metres on a map but {', '.join(units) or 'unknown'} ({flat.name}): warp "
-            "it to UTM or a national grid first (rio warp IN.tif OUT.tif --dst-crs EPSG:32632, the zone of your place)"
+            f"{name}: its coordinates are not metres on a map but {', '.join(units) or 'unknown'} ({flat.name}): {warp}"
             "; where its heights are not metres either, and OUT.tif no longer says so, give height_unit="
         )
 
@@ -88,7 +99,8 @@ def require_crs_of_mesh(
     if is_metres and (target is None or is_moved or not len(triangles) or _is_same(flat, target, triangles)):
         return 1.0 if metres is None else metres
     wanted = "a map in metres" if target is None else f"the study's, {target.name}"
-    code = 32632 if target is None else target.to_epsg() or 32632
+    middle = triangles.reshape(-1, 3).mean(axis=0) if len(triangles) else np.zeros(3)
+    code = (None if target is None else target.to_epsg()) or utm_at(flat, *middle[:2])
     how = "" if flat.is_geographic else f" (cjio IN.city.json crs_reproject {code} save OUT.city.json)"
     raise ValueError(f"{name}: its reference system, {flat.name}, is not {wanted}: reproject it first{how}")
 
