@@ -54,7 +54,7 @@ def write_dem(path):
 
 def write_epw(path, latitude):
     """A year of clear hours from 8 to 16 o'clock."""
-    head = f"LOCATION,Made,-,-,-,1,{latitude},11.58,1,500\n" + "\n" * 7
+    head = f"LOCATION,Made,-,-,-,1,{latitude},11.58,1,500\n" + "COMMENTS\n" * 7
     months = (31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31)
     rows = [
         f"2026,{month},{day},{hour},0,?" + ",9" * 7 + (",0,0,0" if not 8 < hour <= 16 else ",450,500,100") + ",0" * 19
