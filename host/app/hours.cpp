@@ -35,6 +35,17 @@ OwnPoints read_points(const std::filesystem::path& file) {
     return points;
 }
 
+/// Makes normals as long as 1, which their cosines need. Those that float32 cannot bring nearer to it stay.
+void make_unit(std::vector<float>& normals) {
+    constexpr double rounding = 0x1p-21;  // of a square of three float32 values
+    for (std::size_t i = 0; i + 3 <= normals.size(); i += 3) {
+        const double x = normals[i], y = normals[i + 1], z = normals[i + 2];
+        const double length = std::hypot(x, y, z);
+        if (length == 0 || std::abs(length * length - 1) <= rounding) continue;
+        for (std::size_t c = 0; c < 3; ++c) normals[i + c] = float(double(normals[i + c]) / length);
+    }
+}
+
 /// The suns of a run, and the parts of the sky with --diffuse.
 struct Lighting {
     SunTable suns;
@@ -157,7 +168,8 @@ struct Outputs {
 
 Reached hours_of_points(const HoursOptions& options, const Device& device, Technique& technique,
                         const Triangles& triangles, const Lighting& lighting, Outputs& outputs) {
-    const OwnPoints own = read_points(*options.points);
+    OwnPoints own = read_points(*options.points);
+    if (options.cosines) make_unit(own.normals);
     const Points points = Points::upload(device, own.positions), normals = Points::upload(device, own.normals);
     if (options.cosines && own.normals.empty())
         throw Error(options.points->string() + (options.weather ? ": --epw" : ": --cosines") +

@@ -117,7 +117,8 @@ def _epw(file: Path, data: bytes) -> Rows:
     table, meta = pvlib.iotools.read_epw(_text(data))
     hour, minute = (table[name].to_numpy(np.int64) for name in ("hour", "minute"))
     dates = table[["year", "month", "day", "hour"]].to_numpy()
-    in_hour = max(1, int((dates[:60] == dates[:1]).all(axis=1).sum()))
+    is_first = [*(dates[:60] == dates[:1]).all(axis=1).tolist(), False]
+    in_hour = max(1, is_first.index(False))
     k = np.arange(len(table)) % in_hour
     bad = np.flatnonzero(minute % 60 * in_hour != (k + 1) % in_hour * 60) if in_hour > 1 else np.empty(0, np.int64)
     if bad.size:
