@@ -234,8 +234,8 @@ class Irradiation(_Algorithm):
     def shortHelpString(self):  # noqa: N802
         return (
             "Solar energy in kWh/m2 that each cell of a raster of heights gets in the hours of a weather file, on its "
-            "slope, with exact shadows: direct light by the file's direct normal irradiance, diffuse light by Perez' sky. "
-            "Band 1 is the energy, band 2 its undecided part. Light from the ground is not computed.\n\n"
+            "slope, with exact shadows: direct light by the file's direct normal irradiance, diffuse light by Perez' "
+            "sky. Band 1 is the energy, band 2 its undecided part. Light from the ground is not computed.\n\n"
             "gnomon-study needs pip install 'gnomon[study,weather]' for it."
         )
 
