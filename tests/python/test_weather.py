@@ -231,7 +231,7 @@ def test_a_place_far_away_is_named(greensboro):
 
 
 def off(made, minutes=0):
-    """The mean of |ghi - dhi - dni x sin(elevation)|, W/m2, with all moments moved: least where the moments are right."""
+    """The mean of |ghi - dhi - dni x sin(elevation)|, W/m2, with all moments moved: least where they are right."""
     moved = weather.Weather(**{**vars(made), "times": made.times + pandas.Timedelta(minutes=minutes)})
     _, elevation = moved.suns()
     bright = (elevation > 0) & (made.ghi > 50)
@@ -244,7 +244,7 @@ def write_pvgis(path, kind, lag=0.1761):
     zenith = pvlib.solarposition.get_solarposition(labels + pandas.Timedelta(hours=lag), 45, 8)["zenith"]
     beam, sky = np.where(zenith < 88, 600.0, 0), np.where(zenith < 88, 80.0, 0)
     level = beam * np.maximum(np.cos(np.radians(zenith)), 0) + sky
-    rows = [{"time(UTC)": f"{t:%Y%m%d:%H%M}", "T2m": 1.0, "G(h)": float(g), "Gb(n)": float(b), "Gd(h)": float(d)}
+    rows = [{"time(UTC)": f"{t:%Y%m%d:%H%M}", "G(h)": float(g), "Gb(n)": float(b), "Gd(h)": float(d)}
             for t, g, b, d in zip(labels, level, beam, sky, strict=True)]  # fmt: skip
     months = [{"month": m, "year": 2019} for m in range(1, 13)]
     if kind == "json":

@@ -89,7 +89,9 @@ class GnomonAccessor:
         (hours,) = self._studied({"sun_hours": "hours"}, x_dim, crs, settings)
         return hours.assign_attrs(units="h", long_name="hours of sun")
 
-    def irradiation(self, weather: Any, *, x_dim: str | None = None, crs: Any = None, **settings: Any) -> xarray.Dataset:
+    def irradiation(
+        self, weather: Any, *, x_dim: str | None = None, crs: Any = None, **settings: Any
+    ) -> xarray.Dataset:
         """A Dataset of `irradiation`, the Sun's and the sky's on the slopes of the heights, and its parts `direct` and
         `diffuse`, in kWh/m2 over the hours of a weather file (its name); float32, NaN where there is no data, or an
         answer is undecided. settings and crs: as in sun_hours(). Needs pip install 'gnomon[study,weather]'."""

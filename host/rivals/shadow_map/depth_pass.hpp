@@ -63,7 +63,7 @@ private:
 
     CasterClusters clusters_;
     cl::Buffer keys_, second_, slopes_, chunk_count_, tile_keys_;
-    GrowingList chunks_{2 * sizeof(cl_uint)};
+    GrowingList chunks_{sizeof(Chunk)};
     std::uint32_t first_capacity_ = 1u << 18;
 };
 

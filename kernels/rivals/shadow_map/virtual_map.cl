@@ -198,7 +198,7 @@ __kernel void virtual_map_scatter(VirtualPass all, __global const float* vertice
 __kernel void virtual_map_pairs(VirtualPass all, __global const float* vertices, __global const float* tables,
                                 __global const uint* page_of, __global const MapView* pages, __global uint* keys,
                                 __global const VirtualCounters* counters, __global const uint2* pairs) {
-    __local uint is_drawn[MAX_TILES];
+    __local PartTiles tiles;
     DepthPass pass = all.pass;
     Drawing d = {pass, triangles_of(vertices, pass.triangles), pages, tables, keys, keys};
     d.reach = WHOLE_MAP;
@@ -206,7 +206,7 @@ __kernel void virtual_map_pairs(VirtualPass all, __global const float* vertices,
     for (uint i = (uint)get_group_id(0); i < count; i += (uint)get_num_groups(0)) {
         Casters caster;
         TexelRectangle part = load_part(&all.plan, &d, pages + page_of[pairs[i].y], pairs[i].y, pairs[i].x, &caster);
-        draw_by_group(&d, &caster, pairs[i].x, part, 0, 0u, is_drawn);
+        draw_by_group(&d, &caster, pairs[i].x, part, 0, 0u, &tiles);
     }
 }
 #endif

@@ -110,8 +110,8 @@ def test_irradiation_is_that_of_the_study(tmp_path):
     from weather_made import write_epw
 
     epw = write_epw(tmp_path / "a.epw", latitude=45.2, longitude=9.2, days=2)
-    study = run(tmp_path / "study", raster=write_raster(tmp_path / "dem.tif", city(40)), weather=str(epw), outside=300.0)
-    data = study.dataset()
+    raster = write_raster(tmp_path / "dem.tif", city(40))
+    data = run(tmp_path / "study", raster=raster, weather=str(epw), outside=300.0).dataset()
     dem = dem_of(city(40).astype(np.float32), dims=("hochwert", "rechtswert"))[::-1].transpose().chunk(rechtswert=16)
     masked = dem.copy(data=dem.data.map_blocks(lambda a: np.ma.masked_invalid(a), meta=np.ma.empty((0, 0))))
     found = masked.gnomon.irradiation(epw, x_dim="rechtswert", outside=300.0)
