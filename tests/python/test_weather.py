@@ -246,7 +246,7 @@ def write_pvgis(path, kind, lag=0.1761):
     level = beam * np.maximum(np.cos(np.radians(zenith)), 0) + sky
     rows = [{"time(UTC)": f"{t:%Y%m%d:%H%M}", "G(h)": float(g), "Gb(n)": float(b), "Gd(h)": float(d)}
             for t, g, b, d in zip(labels, level, beam, sky, strict=True)]  # fmt: skip
-    months = [{"month": m, "year": 2019} for m in range(1, 13)]
+    months = [{"month": month, "year": 2019} for month in range(1, 13)]
     if kind == "json":
         place = {"latitude": 45.0, "longitude": 8.0, "elevation": 250.0, "irradiance_time_offset": lag}
         whole = {"inputs": {"location": place}, "meta": {"inputs": {}},
@@ -254,7 +254,7 @@ def write_pvgis(path, kind, lag=0.1761):
         path.write_text(json.dumps(whole))
     else:
         head = ["Latitude (decimal degrees): 45.000", "Longitude (decimal degrees): 8.000", "Elevation (m): 250.0",
-                f"Irradiance Time Offset (h): {lag}", "month,year", *(f"{m['month']},2019" for m in months)]  # fmt: skip
+                f"Irradiance Time Offset (h): {lag}", "month,year", *(f"{m},2019" for m in range(1, 13))]  # fmt: skip
         lines = [",".join(map(str, row.values())) for row in rows]
         path.write_text("\n".join([*head, ",".join(rows[0]), *lines, "", "PVGIS (c) European Union"]) + "\n")
     return path
