@@ -169,7 +169,8 @@ __kernel void depth_pass_list(DepthPass pass, __global const float* vertices, __
                 texels = chunk_of(covered_by(&w.caster.covered, 0), chunk.chunk);
                 TileBounds bounds = bounds_in(&d, &w.caster, texels);
                 is_open = !bounds.missed;
-                if (pass.pass == PASS_NEAREST) lower_tile_keys(&d, bounds, w.id, texels, tile_keys, w.view);
+                if (pass.pass == PASS_NEAREST)
+                    lower_tile_keys(&d, bounds, w.id, texels, tile_keys_of_view(&d, tile_keys, w.view));
             }
             uint at = append_in_group(is_open ? 1u : 0u, reserved, chunk_count);
             if (!is_open) continue;
@@ -202,19 +203,20 @@ __kernel void depth_pass_chunks(DepthPass pass, __global const float* vertices, 
         Chunk chunk = chunks[i];
         Casters caster;
         TexelRectangle texels = load_chunk(&d, views, &chunk, &caster);
-        draw_by_group(&d, &caster, chunk.id, texels, pass.pass == PASS_SECOND ? 0 : tile_keys, chunk.view, &tiles);
+        volatile __global uint* keys = tile_keys_of_view(&d, tile_keys, chunk.view);
+        draw_by_group(&d, &caster, chunk.id, texels, pass.pass == PASS_SECOND ? 0 : keys, &tiles);
     }
 }
 
 // The spans of a small caster that tiles do not hide, 0 of others.
-static uint count_spans(Drawing* d, uint view, uint id, volatile __global uint* tile_keys, Casters* caster) {
+static uint count_spans(const Drawing* d, uint view, uint id, volatile __global uint* tile_keys, Casters* caster) {
     MapVertices h[3];
     if (!load_one_caster(d, id, caster, h) || is_chunked(caster)) return 0u;
     TexelRectangle texels = covered_by(&caster->covered, 0);
-    bool is_hidden = tile_keys != 0;
+    volatile __global uint* keys = tile_keys_of_view(d, tile_keys, view);
+    bool is_hidden = d->pass.pass != PASS_SECOND;
     for (uint t = 0; is_hidden && t < tile_count_of(texels); ++t)
-        is_hidden = is_behind(&d->pass, caster->min_depth,
-                              GN_RELAXED_LOAD(key_of_tile(d, tile_keys, view, tile_of(texels, t))));
+        is_hidden = is_behind(&d->pass, caster->min_depth, GN_RELAXED_LOAD(key_of_tile(d, keys, tile_of(texels, t))));
     if (is_hidden) return 0u;
     make_casters(h, caster);
     return spans_of(texels);
@@ -235,7 +237,7 @@ __kernel void depth_pass_small(DepthPass pass, __global const float* vertices, _
             uint2 of = listed_triangle(&pass, listed, i);
             WaitingCaster mine = {{{{0}}}, of.x, of.y};
             d.view = views + of.x;
-            wanted = count_spans(&d, of.x, of.y, pass.pass == PASS_SECOND ? 0 : tile_keys, &mine.caster);
+            wanted = count_spans(&d, of.x, of.y, tile_keys, &mine.caster);
             if (wanted != 0u) waiting[item] = mine;
         }
         scan_group(wanted, ends);
