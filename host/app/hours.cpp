@@ -12,6 +12,7 @@
 #include "scene/extent.hpp"
 #include "scene/number_table.hpp"
 #include "setup.hpp"
+#include "sky_matrix.hpp"
 #include "sun_sums.hpp"
 #include "terminal.hpp"
 #include "values.hpp"
@@ -41,18 +42,53 @@ OwnPoints read_points(const std::filesystem::path& file, const scene::Extent& ex
     return points;
 }
 
-SunTable suns_of(const HoursOptions& options) {
-    if (options.place) return suns_of_place(*options.place, options.north_degrees);
-    if (options.weather) return suns_of_weather(read_weather(*options.weather), options.north_degrees);
-    SunTable table = read_suns(*options.directions, options.north_degrees);
-    if (table.suns.empty() && table.below_horizon == 0) throw Error(options.directions->string() + " has no suns");
-    return table;
+/// Makes normals as long as 1, which their cosines need. Those that float32 cannot bring nearer to it stay.
+void make_unit(std::vector<float>& normals) {
+    constexpr double rounding = 0x1p-21;  // of a square of three float32 values
+    for (std::size_t i = 0; i + 3 <= normals.size(); i += 3) {
+        const double x = normals[i], y = normals[i + 1], z = normals[i + 2];
+        const double length = std::hypot(x, y, z);
+        if (length == 0 || std::abs(length * length - 1) <= rounding) continue;
+        for (std::size_t c = 0; c < 3; ++c) normals[i + c] = float(double(normals[i + c]) / length);
+    }
 }
 
-/// Float64 values as NumPy's .npy (version 1.0).
-void write_npy(OutputFile& file, std::span<const double> values) {
+/// The suns of a run, and the parts of the sky with --diffuse.
+struct Lighting {
+    SunTable suns;
+    std::optional<SunTable> sky{};
+};
+
+Lighting lighting_of(const HoursOptions& options) {
+    if (options.place) return {suns_of_place(*options.place, options.north_degrees)};
+    if (options.weather) {
+        const WeatherFile weather = read_weather(*options.weather, options.diffuse);
+        Lighting lighting{suns_of_weather(weather, options.north_degrees)};
+        if (options.diffuse) lighting.sky = sky_of_weather(weather, options.north_degrees);
+        return lighting;
+    }
+    SunTable table = read_suns(*options.directions, options.north_degrees);
+    if (table.suns.empty() && table.below_horizon == 0) throw Error(options.directions->string() + " has no suns");
+    return {std::move(table)};
+}
+
+/// What of the lighting reaches points: its sum; with a sky the parts of the sum, else nothing.
+struct Reached {
+    SunSums sums;
+    std::vector<double> direct{}, diffuse{};
+};
+
+/// Float64 values as NumPy's .npy (version 1.0): a column, or the sum and its two parts.
+void write_npy(OutputFile& file, const Reached& reached) {
     static_assert(std::endian::native == std::endian::little);
-    std::string header = fmt::format("{{'descr': '<f8', 'fortran_order': False, 'shape': ({},), }}", values.size());
+    const std::size_t count = reached.sums.values.size();
+    std::vector<double> values;
+    for (std::size_t i = 0; i < count; ++i) {
+        values.push_back(reached.sums.values[i]);
+        if (!reached.direct.empty()) values.insert(values.end(), {reached.direct[i], reached.diffuse[i]});
+    }
+    const std::string shape = reached.direct.empty() ? fmt::format("({},)", count) : fmt::format("({}, 3)", count);
+    std::string header = fmt::format("{{'descr': '<f8', 'fortran_order': False, 'shape': {}, }}", shape);
     constexpr std::size_t preamble = 10, aligned = 64;
     header.resize((preamble + header.size() + 1 + aligned - 1) / aligned * aligned - preamble - 1, ' ');
     header += '\n';
@@ -60,30 +96,49 @@ void write_npy(OutputFile& file, std::span<const double> values) {
         std::string("\x93NUMPY\x01\x00", 8) + char(header.size() & 255u) + char(header.size() >> 8);
     file.write_all(start.data(), start.size());
     file.write_all(header.data(), header.size());
-    file.write_all(values.data(), values.size_bytes());
+    file.write_all(values.data(), values.size() * sizeof(double));
 }
 
-void write_csv(OutputFile& file, std::span<const float> positions, std::span<const double> values) {
-    std::string text = "x,y,z,value\n";
-    for (std::size_t i = 0; i < values.size(); ++i)
+void write_csv(OutputFile& file, std::span<const float> positions, const Reached& reached) {
+    const bool has_parts = !reached.direct.empty();
+    std::string text = has_parts ? "x,y,z,value,direct,diffuse\n" : "x,y,z,value\n";
+    for (std::size_t i = 0; i < reached.sums.values.size(); ++i) {
         text += float3_text({positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]}) +
-                fmt::format(",{:.17g}\n", values[i]);
+                fmt::format(",{:.17g}", reached.sums.values[i]);
+        if (has_parts) text += fmt::format(",{:.17g},{:.17g}", reached.direct[i], reached.diffuse[i]);
+        text += '\n';
+    }
     file.write_all(text.data(), text.size());
 }
 
-SunSums compute(const HoursOptions& options, Technique& technique, const Triangles& triangles, const Points& points,
-                const SunTable& table, cl_mem normals) {
-    const ProgressLine progress(grouped(points.count()) + " points x " + grouped(table.suns.size()) + " suns",
-                                !options.quiet && !table.suns.empty());
-    return sun_sums(options, technique, triangles, points, table,
-                    {.facing = normals != nullptr ? Facing::normals(normals) : Facing::automatic()});
+Reached compute(const HoursOptions& options, Technique& technique, const Triangles& triangles, const Points& points,
+                const Lighting& lighting, cl_mem normals) {
+    const std::size_t lights = lighting.suns.suns.size() + (lighting.sky ? lighting.sky->suns.size() : 0);
+    const ProgressLine progress(grouped(points.count()) + " points x " + grouped(lights) + " suns",
+                                !options.quiet && lights != 0);
+    const RunOptions run{.facing = normals != nullptr ? Facing::normals(normals) : Facing::automatic()};
+    Reached reached{sun_sums(options, technique, triangles, points, lighting.suns, run)};
+    if (!lighting.sky) return reached;
+    SunSums of_sky = sun_sums(options, technique, triangles, points, *lighting.sky, run);
+    reached.direct = reached.sums.values;
+    reached.diffuse = std::move(of_sky.values);
+    for (std::size_t i = 0; i < reached.direct.size(); ++i) reached.sums.values[i] += reached.diffuse[i];
+    reached.sums.statistics.total_wall_ms += of_sky.statistics.total_wall_ms;
+    return reached;
 }
 
-std::string summary(const HoursOptions& options, const SunTable& table, const SunSums& computed) {
+/// The mean of the values that are no sky, and their number.
+std::pair<double, std::size_t> mean_of(std::span<const double> values) {
     std::size_t count = 0;
     double sum = 0;
-    for (const double value : computed.values)
+    for (const double value : values)
         if (!std::isnan(value)) ++count, sum += value;
+    return {count != 0 ? sum / double(count) : 0, count};
+}
+
+std::string summary(const HoursOptions& options, const Lighting& lighting, const Reached& reached) {
+    const SunTable& table = lighting.suns;
+    const auto [mean, count] = mean_of(reached.sums.values);
     std::string text =
         fmt::format("{} suns, {:.6g} {}", grouped(table.suns.size()), table.sum_of_weights(), options.unit);
     if (table.below_horizon != 0) text += "; " + grouped(table.below_horizon) + " below the horizon left out";
@@ -93,10 +148,14 @@ std::string summary(const HoursOptions& options, const SunTable& table, const Su
         text += std::string("; positions by ERFA, elevations ") + (options.place && options.place->is_apparent
                                                                        ? "with refraction (Saemundsson, 1010 hPa, 10 C)"
                                                                        : "without refraction");
-    if (options.weather) text += "\n" + table.facts + "; a sun in the middle of each hour; direct irradiation alone";
-    return text + fmt::format("\n{} points: on average {:.6g} {}, at most {:.6g}; {:.0f} ms\n", grouped(count),
-                              count != 0 ? sum / double(count) : 0, options.unit, largest_of(computed.values),
-                              computed.statistics.total_wall_ms);
+    if (options.weather) text += "\n" + table.facts + "; a sun in the middle of each hour; direct irradiation";
+    if (options.weather) text += lighting.sky ? " and Perez' sky by gendaymtx" : " alone";
+    text += fmt::format("\n{} points: on average {:.6g} {}, at most {:.6g}", grouped(count), mean, options.unit,
+                        largest_of(reached.sums.values));
+    if (lighting.sky)
+        text += fmt::format("; direct {:.6g}, diffuse {:.6g}", mean_of(reached.direct).first,
+                            mean_of(reached.diffuse).first);
+    return text + fmt::format("; {:.0f} ms\n", reached.sums.statistics.total_wall_ms);
 }
 
 /// The outputs of a run. All are opened before the long work.
@@ -114,30 +173,31 @@ struct Outputs {
     OutputFile *result, *aov, *suns;
 };
 
-SunSums hours_of_points(const HoursOptions& options, const Device& device, Technique& technique,
-                        const scene::Scene& scene, const Triangles& triangles, const SunTable& table,
+Reached hours_of_points(const HoursOptions& options, const Device& device, Technique& technique,
+                        const scene::Scene& scene, const Triangles& triangles, const Lighting& lighting,
                         Outputs& outputs) {
-    const OwnPoints own = read_points(*options.points, scene::Extent(scene));
+    OwnPoints own = read_points(*options.points, scene::Extent(scene));
     if (own.moved_count > 0)
         warn_or_refuse(options, fmt::format("{}: float32 moves {} {} far from the origin, the first by {:.2g} (move "
                                             "scene and points there, or take Python, which keeps doubles)",
                                             options.points->string(), grouped(own.moved_count),
                                             own.moved_count == 1 ? "point" : "points", own.first_move));
+    if (options.cosines) make_unit(own.normals);
     const Points points = Points::upload(device, own.positions), normals = Points::upload(device, own.normals);
     if (options.cosines && own.normals.empty())
         throw Error(options.points->string() + (options.weather ? ": --epw" : ": --cosines") +
                     " needs the columns nx, ny, nz");
     const cl_mem sides = own.normals.empty() ? nullptr : normals.positions();
-    SunSums computed = compute(options, technique, triangles, points, table, sides);
+    Reached reached = compute(options, technique, triangles, points, lighting, sides);
     if (lower_extension(*options.result) == ".npy")
-        write_npy(*outputs.result, computed.values);
+        write_npy(*outputs.result, reached);
     else
-        write_csv(*outputs.result, own.positions, computed.values);
-    return computed;
+        write_csv(*outputs.result, own.positions, reached);
+    return reached;
 }
 
-SunSums hours_of_picture(const HoursOptions& options, const Device& device, Technique& technique,
-                         const scene::Scene& scene, const Triangles& triangles, const SunTable& table,
+Reached hours_of_picture(const HoursOptions& options, const Device& device, Technique& technique,
+                         const scene::Scene& scene, const Triangles& triangles, const Lighting& lighting,
                          Outputs& outputs) {
     const auto [width, height] = options.size;
     const View seen = look(device, triangles, choose_camera(options, scene).camera, width, height);
@@ -150,42 +210,43 @@ SunSums hours_of_picture(const HoursOptions& options, const Device& device, Tech
         points = Points::wrap(device, seen.points.positions(), seen.points.layout(), seen.points.count(),
                               seen.points.receivers());
     }
-    SunSums computed =
-        compute(options, technique, triangles, points, table, options.cosines ? normals.positions() : nullptr);
-    leave_sky_out(view.receiver, computed.values);
+    Reached reached =
+        compute(options, technique, triangles, points, lighting, options.cosines ? normals.positions() : nullptr);
+    for (auto* const values : {&reached.sums.values, &reached.direct, &reached.diffuse})
+        if (!values->empty()) leave_sky_out(view.receiver, *values);
     if (outputs.result) {
-        const ColorScale scale = scale_of(options, computed.values);
-        std::vector<std::uint8_t> rgba = colored(scale, computed.values);
+        const ColorScale scale = scale_of(options, reached.sums.values);
+        std::vector<std::uint8_t> rgba = colored(scale, reached.sums.values);
         draw_legend(scale, width, height, rgba);
         write_picture(*outputs.result, width, height, rgba);
     }
     if (outputs.aov) {
-        std::vector<float> values(computed.values.begin(), computed.values.end());
+        std::vector<float> values(reached.sums.values.begin(), reached.sums.values.end());
         for (float& value : values)
             if (std::isnan(value)) value = 0;
         write_aov(*outputs.aov, width, height, view, values, "value");
     }
-    return computed;
+    return reached;
 }
 
 }  // namespace
 
 void hours(const HoursOptions& options) {
     Outputs outputs(options);
-    const SunTable table = suns_of(options);
+    const Lighting lighting = lighting_of(options);
     if (outputs.suns) {
-        const std::string text = table_text(table);
+        const std::string text = table_text(lighting.suns);
         outputs.suns->write_all(text.data(), text.size());
     }
     const Device device = open_device(options, false);
     const auto technique = make_technique(device, "frustum-traced", options.settings);
     const scene::Scene scene = load_scene(options);
     const Triangles triangles = upload_triangles(device, scene);
-    const SunSums computed = options.points
-                                 ? hours_of_points(options, device, *technique, scene, triangles, table, outputs)
-                                 : hours_of_picture(options, device, *technique, scene, triangles, table, outputs);
+    const Reached reached = options.points
+                                ? hours_of_points(options, device, *technique, scene, triangles, lighting, outputs)
+                                : hours_of_picture(options, device, *technique, scene, triangles, lighting, outputs);
     outputs.files.commit();
-    if (!options.quiet) print_result(summary(options, table, computed));
+    if (!options.quiet) print_result(summary(options, lighting, reached));
 }
 
 }  // namespace gnomon::app

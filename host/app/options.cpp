@@ -437,8 +437,11 @@ void add_sun_options(CLI::App& app, HoursOptions& options, SunsOfPlace& place) {
         file_name(".csv"), into(options.directions));
     add("--epw", "FILE",
         "A weather file (EPW, or a TMY3 table): direct irradiation, kWh/m2, by its direct normal irradiance, place,\n"
-        "years and time zone, a sun in the middle of each hour; with --cosines. Diffuse: gnomon.weather in Python",
+        "years and time zone, a sun in the middle of each hour; with --cosines",
         file_name(), into(options.weather));
+    add.flag("--diffuse", options.diffuse,
+             "With --epw: adds the light of Perez' sky by Radiance's program gendaymtx, which must be on the PATH\n"
+             "(pyradiance's wheel has it). Values are the sums; --points gets direct and diffuse, too");
     add("--place", "LAT,LON", "Where the scene is, in degrees, north and east positive", latitude_longitude(),
         [&](const auto& degrees) {
             place.latitude_degrees = degrees[0];
@@ -466,6 +469,7 @@ void add_sun_options(CLI::App& app, HoursOptions& options, SunsOfPlace& place) {
         file_name(".csv"), into(options.written_directions));
     exclude(app, "--directions", {"--place", "--epw"});
     exclude(app, "--epw", {"--place", "--unit"});
+    require(app, {{"--diffuse", "--epw"}});
     for (const char* const option : {"--day", "--year", "--step", "--utc", "--apparent"})
         require(app, {{option, "--place"}});
 }

@@ -109,6 +109,7 @@ struct HoursOptions : ViewOptions {
     std::optional<SunsOfPlace> place;
 
     double north_degrees = 0;    ///< clockwise from -z, seen from above
+    bool diffuse = false;        ///< of a weather file the sky's light, too
     bool cosines = false;        ///< each weight times the cosine to the surface's normal
     std::optional<double> most;  ///< the value with the last colour; none: the largest
     std::string unit = "hours";

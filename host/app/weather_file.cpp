@@ -51,11 +51,13 @@ WeatherFile place_of(std::string_view text, const std::string& file, const std::
     weather.latitude_degrees = number_within(head, 0, "latitude", -90, 90, "latitude");
     weather.longitude_degrees = number_within(head, 0, "longitude", -180, 180, "longitude");
     weather.utc_offset_hours = number_within(head, 0, "utc offset", -14, 14, "time zone");
+    weather.elevation_metres = number_within(head, 0, "elevation", -500, 9000, "elevation");
     return weather;
 }
 
 /// Appends an hour. The file counts hours from 1 on, and gives each at its end.
-void add_hour(WeatherFile& weather, const NumberTable& table, std::size_t row, const Days& day, int hour) {
+void add_hour(WeatherFile& weather, const NumberTable& table, std::size_t row, const Days& day, int hour,
+              bool wants_diffuse) {
     using namespace std::chrono;
     const std::size_t of_day = row % hours_per_day;
     const year_month_day date{year(day.year), month(unsigned(day.month)), std::chrono::day(unsigned(day.day))};
@@ -65,8 +67,10 @@ void add_hour(WeatherFile& weather, const NumberTable& table, std::size_t row, c
     if (hour != int(of_day) + 1) table.refuse(row, fmt::format("hour {} in place of {}", hour, of_day + 1));
     if (of_day != 0 && day != weather.hours.back().day)
         table.refuse(row, "the day " + text + " before the last has 24 h");
-    weather.hours.push_back(
-        {day, hour - 1, number_within(table, row, "dni", 0, most_power, "power of sunlight in W/m2")});
+    const auto power = [&](const char* column) {
+        return number_within(table, row, column, 0, most_power, "power of sunlight in W/m2");
+    };
+    weather.hours.push_back({day, hour - 1, power("dni"), wants_diffuse ? power("dhi") : 0});
 }
 
 int whole_number(const NumberTable& table, std::size_t row, const char* column) {
@@ -84,10 +88,15 @@ std::vector<std::string> epw_columns(std::size_t count) {
     names[2] = "day";
     names[3] = "hour";
     names[14] = "dni";
+    names[15] = "dhi";
     return names;
 }
 
-WeatherFile read_epw(std::string_view text, const std::string& file) {
+WeatherFile read_epw(std::string_view text, const std::string& file, bool wants_diffuse) {
+    if (text.find("COMMENTS 2,Irradiance Time Offset") != text.npos)
+        throw Error(file +
+                    " is of PVGIS, whose EPW files give hours of UTC another time zone: gnomon.weather in "
+                    "Python reads its CSV and JSON files");
     constexpr std::size_t head_lines = 8;
     WeatherFile weather = place_of(text, file,
                                    {"location", "name", "state", "country", "source", "station", "latitude",
@@ -97,16 +106,17 @@ WeatherFile read_epw(std::string_view text, const std::string& file) {
                             {{epw_columns(35), epw_columns(34), epw_columns(33), epw_columns(32)}});
     for (std::size_t row = 0; row < table.rows(); ++row) {
         const auto number = [&](const char* column) { return whole_number(table, row, column); };
-        add_hour(weather, table, row, {number("year"), number("month"), number("day")}, number("hour"));
+        add_hour(weather, table, row, {number("year"), number("month"), number("day")}, number("hour"), wants_diffuse);
     }
     return weather;
 }
 
-WeatherFile read_tmy3(std::string_view text, const std::string& file) {
+WeatherFile read_tmy3(std::string_view text, const std::string& file, bool wants_diffuse) {
     WeatherFile weather =
         place_of(text, file, {"station", "name", "state", "utc offset", "latitude", "longitude", "elevation"});
     const NumberTable table(without_lines(text, 1), file, {});
     table.require({"date", "time", "dni"}, "needs the columns date, time and DNI");
+    if (wants_diffuse) table.require({"dhi"}, "needs the column DHI");
     for (std::size_t row = 0; row < table.rows(); ++row) {
         Days day;
         int hour = 0, minute = 0, end = 0;
@@ -115,7 +125,7 @@ WeatherFile read_tmy3(std::string_view text, const std::string& file) {
             std::sscanf(date.c_str(), "%2d/%2d/%4d %2d:%2d%n", &day.month, &day.day, &day.year, &hour, &minute, &end);
         if (found != 5 || std::size_t(end) != date.size() || minute != 0)
             table.refuse(row, "the time \"" + date + "\", which is not MM/DD/YYYY HH:00");
-        add_hour(weather, table, row, day, hour);
+        add_hour(weather, table, row, day, hour, wants_diffuse);
     }
     return weather;
 }
@@ -144,13 +154,13 @@ std::string facts_of(const WeatherFile& weather) {
 
 }  // namespace
 
-WeatherFile read_weather(const std::filesystem::path& file) {
+WeatherFile read_weather(const std::filesystem::path& file, bool wants_diffuse) {
     const std::string whole = table_file_text(file), name = file.string();
     std::string_view text = whole;
     if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
     WeatherFile weather = text.starts_with("LOCATION,")
-                              ? read_epw(text, name + " (read as an EPW file)")
-                              : read_tmy3(text, name + " (no EPW file, so read as a TMY3 table)");
+                              ? read_epw(text, name + " (read as an EPW file)", wants_diffuse)
+                              : read_tmy3(text, name + " (no EPW file, so read as a TMY3 table)", wants_diffuse);
     require_whole_days(weather, name);
     return weather;
 }

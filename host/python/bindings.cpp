@@ -15,6 +15,7 @@
 #include <gnomon.hpp>
 
 #include "cl/opencl.hpp"
+#include "energy_sums.hpp"
 #include "height_steps.hpp"
 #include "lights/whole_weights.hpp"
 #include "lit_fractions.hpp"
@@ -465,6 +466,23 @@ void bind_lit_fractions(nb::module_& m) {
           });
 }
 
+// planes (ceil(M / 32), n), normals (3, n) or None, towards (M, 3), weights (M,): int64 (n,).
+void bind_energy_sums(nb::module_& m) {
+    m.def(
+        "energy_sums",
+        [](const Ids& planes, const std::optional<Doubles>& normals, const Doubles& towards, const Doubles& weights) {
+            std::vector<gnomon::python::WeighedSun> suns(weights.size());
+            for (std::size_t i = 0; i < suns.size(); ++i) {
+                std::copy_n(towards.data() + 3 * i, 3, suns[i].towards.begin());
+                suns[i].weight = weights.data()[i];
+            }
+            const auto of_normals = normals ? span_of(*normals) : std::span<const double>();
+            return row_of(released(
+                [&] { return gnomon::python::energy_sums(span_of(planes), of_normals, planes.shape(1), suns); }));
+        },
+        "planes"_a, "normals"_a.none(), "towards"_a, "weights"_a);
+}
+
 std::vector<gnomon::Eye> eyes_of(const Integers& rows) {
     std::vector<gnomon::Eye> eyes;
     for (std::size_t i = 0; i + 4 <= rows.size(); i += 4) {
@@ -775,6 +793,7 @@ NB_MODULE(_gnomon, m) {
     bind_made_lights(m);
     bind_lattice(m);
     bind_lit_fractions(m);
+    bind_energy_sums(m);
     bind_sight(m);
     bind_rounding<float>(m);
     bind_rounding<double>(m);

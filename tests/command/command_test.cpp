@@ -894,6 +894,67 @@ TEST_F(Command, HoursOfAWeatherFile) {
                    "points.csv: --epw needs the columns nx, ny, nz");
 }
 
+// A wall from north to south hides half of an even sky from the ground beside it, and a patch in the west from all
+// ground east of it. A program in the place of gendaymtx says how the sky shines. Normals may have any length.
+TEST_F(Command, DiffuseLightOfAWeatherFile) {
+    const std::vector<float> wall{0, -9e3f, -9e3f, 0, 9e3f, -9e3f, 0, 9e3f,  9e3f,
+                                  0, -9e3f, -9e3f, 0, 9e3f, 9e3f,  0, -9e3f, 9e3f};
+    write_scene(folder_, "wall", wall);
+    std::ofstream epw(in_folder("a.epw"));
+    epw << "LOCATION,Made,-,-,-,1,48,15,1,0\n\n\n\n\n\n\n\n";
+    for (int hour = 1; hour <= 24; ++hour)
+        epw << "2026,6,21," << hour << ",0,?,9,9,9,9,0,0,0,0,0," << (hour == 13 ? 400 : 0)
+            << ",0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0\n";
+    epw.close();
+    std::ofstream(in_folder("points.csv")) << "x,y,z,nx,ny,nz\n-1,0,0,0,1,0\n1,0,0,0,7,0\n-1,0,0,-2,0,0\n";
+    fs::create_directory(in_folder("bin"));
+    std::ofstream(in_folder("bin/gendaymtx")) << "#!/bin/sh\ncat '" << in_folder("sky.mtx").string() << "'\n";
+    fs::permissions(in_folder("bin/gendaymtx"), fs::perms::owner_all);
+    RunOptions with_program, without_program;
+    with_program.environment["PATH"] = in_folder("bin").string() + ":" + std::getenv("PATH");
+    without_program.environment["PATH"] = "/nowhere";
+    const auto values = [&](const std::function<float(std::size_t patch)>& radiance) {
+        std::ofstream matrix(in_folder("sky.mtx"), std::ios::binary);
+        for (std::size_t row = 0; row < 146; ++row)
+            for (std::size_t i = 0; i < 24 * 3; ++i) {
+                const float value = row == 0 ? 0 : radiance(row - 1);
+                matrix.write(reinterpret_cast<const char*>(&value), sizeof value);
+            }
+        matrix.close();
+        const Outcome outcome =
+            run({"hours", "wall.gltf", "--epw", "a.epw", "--diffuse", "--points", "points.csv", "-o", "out.csv"},
+                with_program);
+        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+        std::istringstream text(text_of(in_folder("out.csv")));
+        std::string line;
+        std::getline(text, line);
+        EXPECT_EQ(line, "x,y,z,value,direct,diffuse");
+        std::vector<double> found;
+        while (std::getline(text, line)) {
+            const std::size_t diffuse = line.rfind(','), direct = line.rfind(',', diffuse - 1);
+            const std::size_t value = line.rfind(',', direct - 1);
+            EXPECT_EQ(std::stod(line.substr(direct + 1)), 0);
+            EXPECT_EQ(std::stod(line.substr(value + 1)), std::stod(line.substr(diffuse + 1)));
+            found.push_back(std::stod(line.substr(diffuse + 1)));
+        }
+        return found;
+    };
+    const Outcome asked = run({"hours", "--place", "1,2", "--day", "2026-01-01", "-o", "a.png", "--size", "8x8"});
+    if (asked.err.find("built without ERFA") != std::string::npos) GTEST_SKIP() << "no ERFA";
+    const std::vector<double> even = values([](std::size_t) { return 5.0f; });
+    ASSERT_EQ(even.size(), 3u);
+    EXPECT_NEAR(even[0], 0.2, 1e-6);
+    EXPECT_NEAR(even[1], 0.2, 1e-6) << "a normal of length 7";
+    EXPECT_NEAR(even[2], 0.2, 0.001) << "an open wall has half of an even sky";
+    const std::vector<double> western = values([](std::size_t patch) { return patch == 84 + 18 ? 5.0f : 0.0f; });
+    EXPECT_NEAR(western[0], 0.4, 1e-6);
+    EXPECT_EQ(western[1], 0);
+    expect_failure({"hours", "wall.gltf", "--epw", "a.epw", "--diffuse", "-o", "b.png", "--size", "8x8"}, 1,
+                   "needs Radiance's program gendaymtx", without_program);
+    expect_failure({"hours", "--place", "1,2", "--day", "2026-01-01", "--diffuse", "-o", "b.png"}, 2,
+                   "--diffuse requires --epw");
+}
+
 // What is seen badly is said, with what to try.
 TEST_F(Command, HintsSayWhatToTry) {
     write_scene(folder_, "square", floor_and_square());

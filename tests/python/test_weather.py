@@ -2,6 +2,7 @@
 """gnomon.weather: files as they are and as they break; planes against an integral of the patches' radiance and against
 pvlib's transposition; obstructed points against rational arithmetic."""
 
+import json
 from pathlib import Path
 
 import gnomon
@@ -227,6 +228,99 @@ def test_a_place_far_away_is_named(greensboro):
         greensboro.require_near(48.2, 16.4)
     with pytest.raises(ValueError, match="nan km from the site"):
         greensboro.require_near(float("nan"), 0)
+
+
+def off(made, minutes=0):
+    """The mean of |ghi - dhi - dni x sin(elevation)|, W/m2, with all moments moved: least where they are right."""
+    moved = weather.Weather(**{**vars(made), "times": made.times + pandas.Timedelta(minutes=minutes)})
+    _, elevation = moved.suns()
+    bright = (elevation > 0) & (made.ghi > 50)
+    return np.abs(made.ghi - made.dhi - made.dni * np.sin(np.radians(elevation)))[bright].mean()
+
+
+def write_pvgis(path, kind, lag=0.1761):
+    """A typical year of PVGIS as it writes them: UTC, values of a moment some time after the label."""
+    labels = pandas.date_range("2019-01-01", periods=8760, freq="h", tz="UTC")
+    zenith = pvlib.solarposition.get_solarposition(labels + pandas.Timedelta(hours=lag), 45, 8)["zenith"]
+    beam, sky = np.where(zenith < 88, 600.0, 0), np.where(zenith < 88, 80.0, 0)
+    level = beam * np.maximum(np.cos(np.radians(zenith)), 0) + sky
+    rows = [{"time(UTC)": f"{t:%Y%m%d:%H%M}", "G(h)": float(g), "Gb(n)": float(b), "Gd(h)": float(d)}
+            for t, g, b, d in zip(labels, level, beam, sky, strict=True)]  # fmt: skip
+    months = [{"month": month, "year": 2019} for month in range(1, 13)]
+    if kind == "json":
+        place = {"latitude": 45.0, "longitude": 8.0, "elevation": 250.0, "irradiance_time_offset": lag}
+        whole = {"inputs": {"location": place}, "meta": {"inputs": {}},
+                 "outputs": {"months_selected": months, "tmy_hourly": rows}}  # fmt: skip
+        path.write_text(json.dumps(whole))
+    else:
+        head = ["Latitude (decimal degrees): 45.000", "Longitude (decimal degrees): 8.000", "Elevation (m): 250.0",
+                f"Irradiance Time Offset (h): {lag}", "month,year", *(f"{m},2019" for m in range(1, 13))]  # fmt: skip
+        lines = [",".join(map(str, row.values())) for row in rows]
+        path.write_text("\n".join([*head, ",".join(rows[0]), *lines, "", "PVGIS (c) European Union"]) + "\n")
+    return path
+
+
+def write_nsrdb(path, minutes=30):
+    labels = pandas.date_range("2023-01-01", periods=30 * 1440 // minutes, freq=f"{minutes}min", tz="Etc/GMT+7")
+    zenith = pvlib.solarposition.get_solarposition(labels, 40.53, -108.54)["zenith"].to_numpy()
+    beam = np.where(zenith < 88, 700, 0)
+    level = beam * np.maximum(np.cos(np.radians(zenith)), 0)
+    head = ("Source,Location ID,City,State,Country,Latitude,Longitude,Time Zone,Elevation,Local Time Zone\n"
+            "NSRDB,401182,-,-,-,40.53,-108.54,-7,1984,-7\nYear,Month,Day,Hour,Minute,DHI,DNI,GHI\n")  # fmt: skip
+    rows = [f"{t.year},{t.month},{t.day},{t.hour},{t.minute},0,{b},{g:.3f}\n"
+            for t, b, g in zip(labels, beam, level, strict=True)]  # fmt: skip
+    path.write_text(head + "".join(rows))
+    return path
+
+
+def test_every_format_has_its_suns_at_the_moments_of_its_values(tmp_path, greensboro):
+    tm2 = weather.read(TMY3.with_name("12839.tm2"))
+    assert repr(tm2).startswith("<gnomon.weather.Weather of MIAMI, 25.8, -80.2667: 8,760 hours, months of 1961 to 1988")
+    assert str(tm2.times[0]) == "1962-01-01 00:30:00-05:00"
+    pvgis = [weather.read(write_pvgis(tmp_path / f"tmy.{kind}", kind)) for kind in ("csv", "json")]
+    assert str(pvgis[0].times[0])[:19] == "2019-01-01 00:10:33" and (pvgis[0].times == pvgis[1].times).all()
+    nsrdb = weather.read(write_nsrdb(tmp_path / "nsrdb.csv"))
+    assert nsrdb.step == 0.5 and "1,440 intervals of 30 minutes" in repr(nsrdb)
+    for made in (greensboro, tm2, *pvgis, nsrdb):
+        at = [off(made, minutes) for minutes in (-30, -5, 0, 5, 30)]
+        assert at[2] == min(at) and at[2] < 0.7 * min(at[1], at[3]) and at[2] < 5, repr(made)
+    with (tmp_path / "tmy.json").open("rb") as file:
+        assert (weather.read(file).dni == pvgis[0].dni).all(), "by what it holds, not by its name"
+
+
+def test_epw_of_quarters_of_hours(tmp_path):
+    def quarters(rows):
+        return [[*r[:4], str(15 * (k + 1)), *r[5:]] for r in rows for k in range(4)]
+
+    whole = weather.read(write_epw(tmp_path / "a.epw", days=2))
+    made = weather.read(write_epw(tmp_path / "b.epw", days=2, change=quarters))
+    assert made.step == 0.25 and str(made.times[5]) == "2019-01-01 01:22:30+01:00"
+    level, expected = (w.on_plane((0, 0, 1)).diffuse.sum() * w.step for w in (made, whole))
+    assert np.isclose(level, expected, rtol=1e-6) and expected > 0
+
+    def broken(rows):
+        rows = quarters(rows)
+        rows[6][4] = "50"
+        return rows
+
+    with pytest.raises(ValueError, match="row 7 has minute 50, where intervals of 15 minutes end at 45: mend the row"):
+        weather.read(write_epw(tmp_path / "c.epw", days=2, change=broken))
+
+
+def test_files_whose_hours_cannot_be_known_are_refused(tmp_path):
+    path = write_epw(tmp_path / "a.epw", days=1)
+    path.write_text(path.read_text().replace("COMMENTS 2,", "COMMENTS 2,Irradiance Time Offset (h):-0.8239"))
+    with pytest.raises(ValueError, match="PVGIS's EPW files give hours of UTC another time zone: take its CSV or JSON"):
+        weather.read(path)
+    path.write_text('{"outputs": {"hourly": []}}')
+    with pytest.raises(ValueError, match="cannot be read as an EPW file"):
+        weather.read(path)
+    with pytest.raises(ValueError, match="is no typical year of PVGIS, .*: take its TMY"):
+        weather.read(path.rename(tmp_path / "a.json"))
+    two_words = TMY3.with_name("12839.tm2").read_text().replace("MIAMI", "MIAMI BEACH")
+    (tmp_path / "a.tm2").write_text(two_words)
+    with pytest.raises(ValueError, match="write the city's name as one"):
+        weather.read(tmp_path / "a.tm2")
 
 
 def changed(column, row, value):

@@ -52,6 +52,19 @@ def write_dem(path):
     file.GetRasterBand(1).WriteArray(heights.astype("float32"))
 
 
+def write_epw(path, latitude):
+    """A year of clear hours from 8 to 16 o'clock."""
+    head = f"LOCATION,Made,-,-,-,1,{latitude},11.58,1,500\n" + "COMMENTS\n" * 7
+    months = (31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31)
+    rows = [
+        f"2026,{month},{day},{hour},0,?" + ",9" * 7 + (",0,0,0" if not 8 < hour <= 16 else ",450,500,100") + ",0" * 19
+        for month, days in enumerate(months, 1)
+        for day in range(1, days + 1)
+        for hour in range(1, 25)
+    ]
+    path.write_text(head + "\n".join(rows) + "\n")
+
+
 def points_of(*places):
     layer = QgsVectorLayer("Point?crs=EPSG:25832", "observers", "memory")
     for x, y in places:
@@ -141,6 +154,23 @@ processing.run("gnomon:sunhours", {"HEIGHTS": str(dem), **day, "OUTPUT": str(hou
 assert 3 < read(hours).mean() < 9 and heard.progress and max(heard.progress) == 100
 print("sunhours:", f"{read(hours).mean():.2f} hours on average; progress {sorted(set(heard.progress))[-3:]}")
 
+weather, far = folder / "made.epw", folder / "far.epw"
+write_epw(weather, 48.13)
+write_epw(far, -48.13)
+energy = {name: folder / f"{name}.tif" for name in ("irradiation", "direct", "diffuse")}
+heard = Heard()
+for result, path in enumerate(energy.values()):
+    asked = {"HEIGHTS": str(dem), "WEATHER": str(weather), "RESULT": result, "OUTPUT": str(path)}
+    processing.run("gnomon:irradiation", asked, feedback=heard)
+total, direct, diffuse = (read(path) for path in energy.values())
+assert np.abs(total - direct - diffuse).max() < 1e-3 and (direct > diffuse).all() and max(heard.progress) == 100
+beams = 365 * 8 * 0.5  # kWh/m2 at right angles; the sky's horizontal hours have a fifth of them
+assert 0.3 * beams < direct.mean() < 0.7 * beams
+assert 0.7 * beams / 5 < diffuse.mean() < 1.2 * beams / 5
+print("irradiation:", f"{total.mean():.0f} kWh/m2 on average, {diffuse.mean():.0f} of them diffuse")
+
+fails("more than 50 km", "gnomon:irradiation", WEATHER=str(far))
+fails("cannot be read as", "gnomon:irradiation", WEATHER=str(dem))
 fails("does not stand on the raster", "gnomon:viewshed", OBSERVERS=points_of((0, 0)))
 fails("no points", "gnomon:viewshed", OBSERVERS=points_of())
 two = points_of((691_915, 5_333_815), (691_955, 5_333_815))
@@ -167,6 +197,7 @@ else:
 draw(seen, "seen.qml", folder / "seen.png")
 draw(counts, "counts.qml", folder / "counts.png")
 draw(hours, "sun_hours.qml", folder / "hours.png")
-print("all is well; look at seen.png, counts.png, hours.png")
+draw(energy["irradiation"], "irradiation.qml", folder / "irradiation.png")
+print("all is well; look at seen.png, counts.png, hours.png, irradiation.png")
 sys.stdout.flush()
 os._exit(0)  # QGIS 3.22 crashes when Python takes its objects down

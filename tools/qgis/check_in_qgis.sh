@@ -1,7 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# Uses the packed plugin once in a headless QGIS: both algorithms, their results against gnomon-study's own, wrong
-# inputs, cancelling, and a map of the viewshed drawn with its style. Needs Debian's qgis and python3-qgis.
+# Uses the packed plugin once in a headless QGIS: all algorithms, their results against gnomon-study's own, wrong
+# inputs, cancelling, and maps drawn with their styles. Needs Debian's qgis and python3-qgis.
 # usage: check_in_qgis.sh GNOMON-STUDY FOLDER
 set -euo pipefail
 program=$(realpath "$1") tools=$(realpath "$(dirname "$0")")

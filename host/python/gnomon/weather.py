@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import io
 import math
 import os
 from collections.abc import Callable
@@ -19,13 +18,12 @@ from ._files import on_disk
 from ._lights import Lights
 from ._scene import Scene
 from ._side import Side
+from ._weather_files import readings_of
 
 #: Tregenza's sky: the patches of each of its rows, from the horizon up. A row is 12 degrees high, the last one patch.
 PATCHES_OF_ROWS = (30, 30, 24, 24, 18, 12, 6, 1)
 #: Each patch is decided in as many parts on a side: planes and walls cut patches.
 PARTS = 2
-#: More than the Sun gives outside the air (W/m^2). Files write 9999 for what is missing.
-LARGEST = 1500.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +50,8 @@ class Weather:
         years = sorted({int(y) for y in self.times.year})
         span = str(years[0]) if len(years) == 1 else f"months of {years[0]} to {years[-1]}"
         place = f"{self.name}, {self.latitude:g}, {self.longitude:g}"
-        return f"<gnomon.weather.Weather of {place}: {len(self.times):,} hours, {span}, {self.times.tz}>"
+        of = "hours" if self.step == 1 else f"intervals of {60 * self.step:g} minutes"
+        return f"<gnomon.weather.Weather of {place}: {len(self.times):,} {of}, {span}, {self.times.tz}>"
 
     def require_near(self, latitude: float, longitude: float, within_km: float = 50.0) -> None:
         """ValueError if the file's place is farther away than that."""
@@ -142,85 +141,12 @@ class Irradiation(NamedTuple):
 
 
 def read(path: str | os.PathLike[str] | IO[bytes]) -> Weather:
-    """The weather in an EPW file, or in a TMY3 table (.csv): a file's name, or a binary file, such as a member of a
-    ZipFile. ValueError with the column and the time of a value that is missing or cannot be."""
+    """The weather in a file that pvlib reads: EPW, TMY2, TMY3, PVGIS's typical year (CSV, JSON), NSRDB's CSV, of
+    intervals of any length that divides a day; a file's name, or a binary file, such as a member of a ZipFile.
+    ValueError with the column and the time of a value that is missing or cannot be."""
     with on_disk(path, "path") as file:
-        has_place = file.path.read_bytes().startswith((b"LOCATION", b"\xef\xbb\xbfLOCATION"))
-        return _read(file.path, has_place or file.path.suffix.lower() == ".epw")
-
-
-def _read(file: Path, is_epw: bool) -> Weather:
-    import pvlib
-
-    try:
-        if is_epw:
-            table, place = pvlib.iotools.read_epw(_text_of(file))
-        else:
-            table, place = pvlib.iotools.read_tmy3(_text_of(file), map_variables=True)
-    except Exception as error:  # pvlib lets pandas' errors through, of many kinds
-        kind = "an EPW file" if is_epw else "a TMY3 table, and is no EPW file"
-        raise ValueError(f"{file}: cannot be read as {kind}: {(str(error) or repr(error)).splitlines()[0]}") from None
-    columns = [_power(file, table, name) for name in ("dni", "dhi", "ghi")]
-    middles = _middles(table.index, is_epw)
-    _require_hours(file, middles)
-    latitude, longitude, elevation = (float(place[name]) for name in ("latitude", "longitude", "altitude"))
-    if not (abs(latitude) <= 90 and abs(longitude) <= 180):
-        raise ValueError(f"{file}: its place {latitude:g}, {longitude:g} is not on Earth")
-    name = str(place["city" if is_epw else "Name"]).strip('" ')
-    return Weather(name, latitude, longitude, elevation, middles, 1.0, *columns)
-
-
-def _text_of(file: Path) -> io.StringIO:
-    """The file's text: UTF-8, or Latin-1 as many EPW files of places with accents are."""
-    data = file.read_bytes()
-    try:
-        return io.StringIO(data.decode("utf-8-sig"))
-    except UnicodeDecodeError:
-        return io.StringIO(data.decode("latin-1"))
-
-
-def _middles(times: Any, are_beginnings: bool) -> Any:
-    """The middles of hours: pvlib reads EPW with their beginnings, TMY3 with their ends. It moves the end of 28
-    February of a leap year, the 29th, to the first of March: the last hour of a day is taken from the one before."""
-    if are_beginnings:
-        return times + np.timedelta64(30, "m")
-    middles = (times - np.timedelta64(30, "m")).to_series()
-    last = len(middles) // 24
-    middles.iloc[23::24] = (times[22::24][:last] + np.timedelta64(30, "m")).to_series()
-    return type(times)(middles)
-
-
-def _power(file: Path, table: Any, name: str) -> NDArray[np.float64]:
-    """A column of the table, W/m^2."""
-    if name not in table:
-        raise ValueError(f"{file}: has no column {name}")
-    try:
-        values = table[name].to_numpy(np.float64)
-    except ValueError as error:
-        raise ValueError(f"{file}: column {name}: {error}") from None
-    bad = np.flatnonzero(~((values >= 0) & (values <= LARGEST)))
-    if bad.size:
-        raise ValueError(
-            f"{file}: column {name} has {values[bad[0]]:g} at {table.index[bad[0]]}, which is no power of sunlight in "
-            f"W/m^2 ({bad.size:,} of {len(values):,} rows are so)"
-        )
-    return values
-
-
-def _require_hours(file: Path, middles: Any) -> None:
-    """Whether the file has one row an hour, each day whole, and no hour twice."""
-    if len(middles) == 0 or len(middles) % 24:
-        raise ValueError(f"{file}: has {len(middles):,} rows, which are not whole days of 24 hours")
-    hours = np.asarray(middles.hour).reshape(-1, 24)
-    days = np.asarray(middles.normalize().asi8).reshape(-1, 24)
-    wrong = np.flatnonzero((hours != np.arange(24)).any(axis=1) | (np.ptp(days, axis=1) != 0))
-    if wrong.size:
-        first = 24 * int(wrong[0])
-        raise ValueError(f"{file}: the day of row {first + 1} ({middles[first]:%d %B}) has not hours 1 to 24")
-    found, first_rows = np.unique(days[:, 0], return_index=True)
-    if len(found) < len(days):
-        again = 24 * int(np.setdiff1d(np.arange(len(days)), first_rows)[0])
-        raise ValueError(f"{file}: has {middles[again]:%d %B %Y} twice, again from row {again + 1} on")
+        found = readings_of(file.path)
+    return Weather(*found.place, found.middles, found.step, found.dni, found.dhi, found.ghi)
 
 
 def towards(azimuth: ArrayLike, elevation: ArrayLike) -> NDArray[np.float64]:

@@ -4,6 +4,7 @@
     import gnomon.xarray
     seen = dem.gnomon.viewshed((691_080, 5_334_940)).seen
     hours = dem.gnomon.sun_hours(start="2026-06-21", end="2026-06-22", utc_offset=1)
+    energy = dem.gnomon.irradiation("vienna.epw").irradiation
 
 dem: heights in metres on a map in metres, of two dimensions of any names (others must have length 1), equally spaced in
 either direction. NaN and the values that the attributes declare are no data. Results keep coordinates, CRS and chunks,
@@ -85,14 +86,38 @@ class GnomonAccessor:
         """Hours of sun, float32; NaN where there is no data, or an answer is undecided. settings: start=, end=, step=,
         utc_offset= and the others of gnomon.study() (docs/studies.md). crs: of the coordinates, if `dem` does not say
         it. Needs pip install 'gnomon[study]'."""
+        (hours,) = self._studied({"sun_hours": "hours"}, x_dim, crs, settings)
+        return hours.assign_attrs(units="h", long_name="hours of sun")
+
+    def irradiation(
+        self, weather: Any, *, x_dim: str | None = None, crs: Any = None, **settings: Any
+    ) -> xarray.Dataset:
+        """A Dataset of `irradiation`, the Sun's and the sky's on the slopes of the heights, and its parts `direct` and
+        `diffuse`, in kWh/m2 over the hours of a weather file (its name); float32, NaN where there is no data, or an
+        answer is undecided. settings and crs: as in sun_hours(). Needs pip install 'gnomon[study,weather]'."""
+        names = {name: name for name in ("irradiation", "direct", "diffuse")}
+        given = settings | {"weather": weather}
+        layers = self._studied(names, x_dim, crs, given)
+        texts = ("energy of Sun and sky", "energy of the Sun", "energy of the sky")
+        return xarray.Dataset(
+            {
+                str(layer.name): layer.assign_attrs(units="kWh m-2", long_name=text)
+                for layer, text in zip(layers, texts, strict=True)
+            }
+        )
+
+    def _studied(
+        self, outputs: dict[str, str], x_dim: str | None, crs: Any, settings: dict[str, Any]
+    ) -> list[xarray.DataArray]:
+        """The arrays that a study of these heights has for each of its outputs: names of arrays, and of outputs."""
         dem, x, y = self._flat(x_dim)
         known = crs if crs is not None else _crs_of(dem)
         if known is None:
             raise ValueError("crs: the heights have no CRS, which gives the place on the Earth: give crs=")
         _require_metres(dem, x, y, known)
-        layers = functools.partial(_sun_hours, x=x, y=y, crs=known, settings=settings)
-        (hours,) = self._results(dem, layers, 1)
-        return hours.rename("sun_hours").assign_attrs(units="h", long_name="hours of sun")
+        layers = functools.partial(_study_layers, x=x, y=y, crs=known, outputs=outputs, settings=settings)
+        results = self._results(dem, layers, len(outputs))
+        return [result.rename(name) for result, name in zip(results, outputs, strict=True)]
 
     def _flat(self, x_dim: str | None) -> tuple[xarray.DataArray, NDArray[np.float64], NDArray[np.float64]]:
         """The heights with dimensions northwards (or southwards) and eastwards; the cells' centres."""
@@ -167,8 +192,13 @@ def _require_metres(dem: xarray.DataArray, x: NDArray[np.float64], y: NDArray[np
         raise ValueError(f"crs: {error}") from None
 
 
-def _sun_hours(
-    heights: NDArray[np.float64], x: NDArray[np.float64], y: NDArray[np.float64], crs: Any, settings: dict[str, Any]
+def _study_layers(
+    heights: NDArray[np.float64],
+    x: NDArray[np.float64],
+    y: NDArray[np.float64],
+    crs: Any,
+    outputs: dict[str, str],
+    settings: dict[str, Any],
 ) -> NDArray[np.float32]:
     """Runs a study of these heights in a folder of its own."""
     import rasterio
@@ -185,7 +215,10 @@ def _sun_hours(
             transform=grid,
         ) as file:  # fmt: skip
             file.write(heights[turns], 1)
-        asked = {"outputs": ["hours"], "progress": False} | settings
+        asked = {"outputs": list(outputs.values()), "progress": False} | settings
         data = study(Path(folder) / "study", raster=raster, **asked).dataset()
-        hours = np.where(data.undecided_hours.values == 0, data.sun_hours.values, np.nan)
-        return hours[turns].astype(np.float32)[None]
+        layers = [
+            np.where(data[f"undecided_{output}"].values == 0, data[name].values, np.nan)[turns]
+            for name, output in outputs.items()
+        ]
+        return np.stack(layers).astype(np.float32)

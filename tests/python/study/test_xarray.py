@@ -105,6 +105,40 @@ def test_sun_hours_are_those_of_the_study(tmp_path):
     assert bare.equals(dem_of().gnomon.sun_hours(**DAY).drop_vars("spatial_ref"))
 
 
+def test_irradiation_is_that_of_the_study(tmp_path):
+    pytest.importorskip("pyradiance")
+    from weather_made import write_epw
+
+    epw = write_epw(tmp_path / "a.epw", latitude=45.2, longitude=9.2, days=2)
+    raster = write_raster(tmp_path / "dem.tif", city(40))
+    data = run(tmp_path / "study", raster=raster, weather=str(epw), outside=300.0).dataset()
+    dem = dem_of(city(40).astype(np.float32), dims=("hochwert", "rechtswert"))[::-1].transpose().chunk(rechtswert=16)
+    masked = dem.copy(data=dem.data.map_blocks(lambda a: np.ma.masked_invalid(a), meta=np.ma.empty((0, 0))))
+    found = masked.gnomon.irradiation(epw, x_dim="rechtswert", outside=300.0)
+    assert list(found.data_vars) == ["irradiation", "direct", "diffuse"]
+    for name, layer in found.data_vars.items():
+        assert layer.chunks == dem.chunks and layer.dims == dem.dims and layer.coords.equals(dem.coords)
+        assert layer.attrs["units"] == "kWh m-2" and layer.attrs["grid_mapping"] == "spatial_ref"
+        undecided = data[f"undecided_{name}"].values
+        assert name != "irradiation" or (undecided > 0).any()
+        expected = np.where(undecided == 0, data[name].values, np.nan).astype(np.float32)
+        np.testing.assert_array_equal(layer.values.T[::-1], expected)
+    assert np.nanmax(found.irradiation.values) > 0.5
+
+
+def test_irradiation_refuses_what_does_not_fit(tmp_path):
+    pytest.importorskip("pyradiance")
+    from weather_made import write_epw
+
+    far = write_epw(tmp_path / "far.epw", days=1)
+    with pytest.raises(ValueError, match=r"Made \(48.2, 16.4\) is [1-9]\d\d km from the site"):
+        dem_of().gnomon.irradiation(far)
+    with pytest.raises(ValueError, match="none.epw: there is no such file"):
+        dem_of().gnomon.irradiation(tmp_path / "none.epw")
+    with pytest.raises(ValueError, match="crs: the heights have no CRS"):
+        dem_of().drop_vars("spatial_ref").gnomon.irradiation(far)
+
+
 def test_wrong_arrays_are_named():
     with pytest.raises(ValueError, match="must have two"):
         xarray.DataArray(np.zeros((2, 3, 4))).gnomon.viewshed([0, 0])

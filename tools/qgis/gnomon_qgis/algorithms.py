@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The algorithms: viewsheds, and hours of sun."""
+"""The algorithms: viewsheds, hours of sun, and irradiation."""
 
 import json
 import tempfile
@@ -15,6 +15,7 @@ from qgis.core import (
     QgsProcessingParameterDistance,
     QgsProcessingParameterEnum,
     QgsProcessingParameterFeatureSource,
+    QgsProcessingParameterFile,
     QgsProcessingParameterNumber,
     QgsProcessingParameterRasterDestination,
     QgsProcessingParameterRasterLayer,
@@ -71,6 +72,14 @@ class _Algorithm(QgsProcessingAlgorithm):
         if not Path(file).exists():
             raise QgsProcessingException(f"Heights: {file or 'the layer'} is no file: export it as GeoTIFF first")
         return layer, file
+
+    def _run_study(self, lines, what, output, feedback):
+        """Runs a study with these settings, and writes one of its results. Progress is the study's."""
+        with tempfile.TemporaryDirectory(prefix="gnomon-") as folder:
+            settings = Path(folder) / "study.toml"
+            settings.write_text("".join(f"{key} = {json.dumps(value)}\n" for key, value in lines.items()))
+            study_process.run(["run", str(settings)], feedback)
+            study_process.run(["export", str(settings.with_suffix("")), output, "--what", what], feedback)
 
     def _style(self, context, output, style):
         if context.willLoadLayerOnCompletion(output):
@@ -200,18 +209,59 @@ class SunHours(_Algorithm):
         output = self.parameterAsOutputLayer(parameters, self.OUTPUT, context)
         moments = (self.parameterAsDateTime(parameters, key, context) for key in (self.START, self.END))
         start, end = (moment.toString("yyyy-MM-ddTHH:mm:ss") for moment in moments)
-        with tempfile.TemporaryDirectory(prefix="gnomon-") as folder:
-            settings = Path(folder) / "study.toml"
-            lines = {
-                "raster": heights,
-                "start": start,
-                "end": end,
-                "step": self.parameterAsDouble(parameters, self.STEP, context),
-                "utc_offset": self.parameterAsDouble(parameters, self.OFFSET, context),
-                "outputs": ["hours"],
-            }
-            settings.write_text("".join(f"{key} = {json.dumps(value)}\n" for key, value in lines.items()))
-            study_process.run(["run", str(settings)], feedback)
-            study_process.run(["export", str(settings.with_suffix("")), output, "--what", "sun_hours"], feedback)
+        lines = {
+            "raster": heights,
+            "start": start,
+            "end": end,
+            "step": self.parameterAsDouble(parameters, self.STEP, context),
+            "utc_offset": self.parameterAsDouble(parameters, self.OFFSET, context),
+            "outputs": ["hours"],
+        }
+        self._run_study(lines, "sun_hours", output, feedback)
         self._style(context, output, "sun_hours.qml")
+        return {self.OUTPUT: output}
+
+
+class Irradiation(_Algorithm):
+    WEATHER, RESULT = "WEATHER", "RESULT"
+    RESULTS = ("irradiation", "direct", "diffuse")
+
+    def name(self):
+        return "irradiation"
+
+    def displayName(self):  # noqa: N802
+        return "Irradiation (exact shadows)"
+
+    def shortHelpString(self):  # noqa: N802
+        return (
+            "Solar energy in kWh/m2 that each cell of a raster of heights gets in the hours of a weather file, on its "
+            "slope, with exact shadows: direct light by the file's direct normal irradiance, diffuse light by Perez' "
+            "sky. Band 1 is the energy, band 2 its undecided part. Light from the ground is not computed.\n\n"
+            "gnomon-study needs pip install 'gnomon[study,weather]' for it."
+        )
+
+    def initAlgorithm(self, config=None):  # noqa: N802
+        self._add_heights()
+        self._add(
+            QgsProcessingParameterFile(
+                self.WEATHER, "Weather file", fileFilter="Weather files (*.epw *.csv *.json *.tm2);;All files (*)"
+            ),
+            "EPW, TMY2, TMY3, PVGIS' typical year (CSV, JSON) or NSRDB's CSV. Place, years and time zone are the "
+            "file's; it must lie within 50 km of the raster's middle.",
+        )
+        self._add(
+            QgsProcessingParameterEnum(
+                self.RESULT, "Result", ["Direct and diffuse", "Direct", "Diffuse"], defaultValue=0
+            ),
+            "Direct light alone needs no pyradiance.",
+        )
+        self._add(QgsProcessingParameterRasterDestination(self.OUTPUT, "Irradiation"))
+
+    def processAlgorithm(self, parameters, context, feedback):  # noqa: N802
+        _, heights = self._file_of_heights(parameters, context)
+        weather = self.parameterAsFile(parameters, self.WEATHER, context)
+        output = self.parameterAsOutputLayer(parameters, self.OUTPUT, context)
+        what = self.RESULTS[self.parameterAsEnum(parameters, self.RESULT, context)]
+        self._run_study({"raster": heights, "weather": weather, "outputs": [what]}, what, output, feedback)
+        self._style(context, output, "irradiation.qml")
         return {self.OUTPUT: output}

@@ -4,7 +4,7 @@
 from processing.core.ProcessingConfig import ProcessingConfig, Setting
 from qgis.core import QgsApplication, QgsProcessingProvider
 
-from .algorithms import SunHours, Viewshed
+from .algorithms import Irradiation, SunHours, Viewshed
 
 PROGRAM = "GNOMON_STUDY"
 
@@ -28,7 +28,7 @@ class GnomonProvider(QgsProcessingProvider):
         ProcessingConfig.removeSetting(PROGRAM)
 
     def loadAlgorithms(self):  # noqa: N802
-        for algorithm in (Viewshed, SunHours):
+        for algorithm in (Viewshed, SunHours, Irradiation):
             self.addAlgorithm(algorithm())
 
 

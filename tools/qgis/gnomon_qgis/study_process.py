@@ -19,7 +19,7 @@ def program():
     found = shutil.which(named)
     if found is None:
         raise QgsProcessingException(
-            f"There is no program {named}. Install gnomon (pip install 'gnomon[study,pocl]') into any Python "
+            f"There is no program {named}. Install gnomon (pip install 'gnomon[study,weather,pocl]') into any Python "
             "environment, and name its bin/gnomon-study under Settings, Options, Processing, Providers, gnomon."
         )
     return found

@@ -15,7 +15,7 @@ from .._arrays import scaled
 from .._devices import Device, device_of
 from .._earth import per_square_of
 from .._lattice import Lattice
-from .._lights import Lights
+from .._lights import Lights, LightsResult
 from .._scene import Scene
 from .._side import Side
 from . import planes
@@ -111,6 +111,7 @@ class Decider:
         positions = part.xyz.copy()
         positions[:, 2] = curvature.lowered(positions[:, 0], positions[:, 1], positions[:, 2])
         lit = self._facing_of(part, towards, curvature)
+        is_faced = np.zeros(len(towards), bool)  # suns for which a scene has decided the receivers' sides, too
         low, high = positions.min(axis=0), positions.max(axis=0)
         box = np.array([low[0], low[1], high[0], high[1]])
         directions = towards.astype(np.float64)
@@ -126,9 +127,11 @@ class Decider:
                 suns, rows = suns[is_open[suns]], np.flatnonzero(np.bitwise_or.reduce(lit, axis=0))
             with self._scene_lock:
                 casters = self._load_scene(part, positions, tiles[group], curvature, unread)
-                self._shadow(casters, lift_normals, positions, towards, suns, rows, lit)
+                is_faced[suns] |= self._shadow(casters, lift_normals, positions, towards, suns, rows, lit)
                 self._kept = casters if len(groups) == 1 and not unread else None
                 del casters
+        if part.normals is not None:
+            self._clear_behind(part.normals, towards, np.flatnonzero(~is_faced), lit)
         is_untested |= np.isin(tiles, np.array(unread, np.int64))
         undecided = self._undecided(tiles[is_untested], hit[is_untested], positions, directions, curvature, lit)
         if undecided is not None:
@@ -136,9 +139,7 @@ class Decider:
         return Answer(lit, undecided, sorted(unread))
 
     def _facing_of(self, part: Part, towards: NDArray[np.float32], curvature: Curvature) -> Planes:
-        """The planes of whether each sun is on the receivers' side of their surfaces."""
-        if part.normals is not None:
-            return self._facing_by_normals(part.normals, towards)
+        """The planes of whether each sun is on a raster's side. Other receivers face all suns here."""
         if part.window is None:
             return planes.ones(len(towards), len(part.rows))
         with self._facing_lock:
@@ -150,11 +151,15 @@ class Decider:
                 self._facing = kept = part, GridFacing(x, y, z, inside)
         return kept[1].faces(towards)
 
-    def _facing_by_normals(self, normals: NDArray[np.float64], towards: NDArray[np.float32]) -> Planes:
+    def _clear_behind(
+        self, normals: NDArray[np.float64], towards: NDArray[np.float32], suns: NDArray[np.int64], lit: Planes
+    ) -> None:
+        """Clears `lit` where one of these suns is not strictly on the normal's side."""
+        if not len(suns):
+            return
         points = np.zeros(normals.shape, np.float32)
-        answer = self._empty_scene.lit_by(points, Lights.directions(-towards), side=Side.normals(normals), bits=True)
-        assert answer.bits is not None
-        return planes.transposed(answer.bits)
+        lights = Lights.directions(-towards[suns])
+        _clear_others(lit, self._empty_scene.lit_by(points, lights, side=Side.normals(normals), bits=True), suns, None)
 
     def _is_untested(self, tiles: NDArray[np.int64], box: NDArray[np.float64]) -> NDArray[np.bool_]:
         """(T,): tiles that are unread, farther away than the stated limit, or too far for one lattice with the
@@ -274,13 +279,14 @@ class Decider:
         suns: NDArray[np.int64],
         rows: NDArray[np.int64] | None,
         lit: Planes,
-    ) -> None:
-        """Clears `lit` of these suns and receivers (None: of all) where a caster blocks the ray. All suns are strictly
-        above the horizon, so the vertical normal of a receiver that is not lifted restricts nothing; it makes the
-        beams tighter."""
+    ) -> bool:
+        """Clears `lit` of these suns and receivers (None: of all) where a caster blocks the ray, or the sun is not
+        strictly on the side of a lifted receiver's normal. Returns whether it did so for all receivers. All suns are
+        strictly above the horizon, so the vertical normal of a receiver that is not lifted restricts nothing; it makes
+        the beams tighter."""
         snapped = casters.snapped if rows is None else casters.snapped[rows]
         if casters.scene is None or not (len(suns) and len(snapped)):
-            return
+            return False
         normals = np.broadcast_to(np.array([0.0, 0.0, 1.0]), snapped.shape)
         if lift_normals is not None:
             of_rows = lift_normals if rows is None else lift_normals[rows]
@@ -294,15 +300,8 @@ class Decider:
             snapped, Lights.directions(-towards[suns]), side=Side.normals(normals), bits=True,
             settings={"many-lights": "beams" if farthest <= FARTHEST_OF_BEAMS else "auto"},
         )  # fmt: skip
-        assert answer.bits is not None
-        found = planes.transposed(answer.bits)
-        if len(suns) < len(towards):
-            others = ~planes.packed(np.isin(np.arange(len(towards)), suns)[None])
-            found = planes.moved(found, suns, len(lit)) | others
-        if rows is None:
-            lit &= found
-        else:
-            lit[:, rows] &= found
+        _clear_others(lit, answer, suns, rows)
+        return rows is None
 
     def _undecided(
         self,
@@ -339,3 +338,17 @@ class Decider:
                 result[sun // 32, open_rows[meets_tile]] |= bit
                 open_rows = open_rows[~meets_tile]
         return result
+
+
+def _clear_others(lit: Planes, answer: LightsResult, suns: NDArray[np.int64], rows: NDArray[np.int64] | None) -> None:
+    """Clears `lit` of these suns and receivers (None: of all) where the answer is not lit."""
+    assert answer.bits is not None
+    found = planes.transposed(answer.bits)
+    if len(suns) < 32 * len(lit):
+        is_asked = np.zeros((1, 32 * len(lit)), bool)
+        is_asked[0, suns] = True
+        found = planes.moved(found, suns, len(lit)) | ~planes.packed(is_asked)
+    if rows is None:
+        lit &= found
+    else:
+        lit[:, rows] &= found

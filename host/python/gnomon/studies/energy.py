@@ -3,7 +3,7 @@
 
 Normals and suns are taken on the true ground: a map's stretch turns a slope's normal, and does not change its energy. A
 product of weight and cosine is rounded once to whole units; sums of units do not depend on tiles or blocks. All is
-float64 of numpy, one operation after the other, so that bits do not depend on the machine.
+float64, one operation after the other, so that bits do not depend on the machine.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from . import planes
+from .. import _gnomon
 from .facing import NEIGHBOURS
 from .planes import Planes
 from .receivers import Part
@@ -62,20 +62,13 @@ def energies(
 ) -> dict[str, NDArray[np.int64]]:
     """(n,) units of 2^UNIT of the Sun, of the sky and of both, where `answers` have the `chosen` suns. normals: (3, n);
     None: unknown, so each sun counts in full."""
-    sums = {name: np.zeros(answers.shape[1], np.int64) for name in ("direct", "diffuse")}
     weights = np.ldexp(suns.weights[chosen].astype(np.float64), suns.exponent - UNIT)
-    for first in range(0, answers.shape[1], planes.ROWS_AT_ONCE):
-        rows = slice(first, first + planes.ROWS_AT_ONCE)
-        for i, (weight, sun) in enumerate(zip(weights, chosen, strict=True)):
-            is_counted = planes.of_sun(answers[:, rows], i)
-            x, y, z = suns.true[sun]
-            if normals is None:
-                units: NDArray[np.float64] = np.full(len(is_counted), np.rint(weight))
-            else:
-                cosines = normals[0, rows] * x + normals[1, rows] * y + normals[2, rows] * z
-                units = np.rint(np.maximum(cosines, 0) * weight)
-            sums["diffuse" if suns.is_sky[sun] else "direct"][rows] += (units * is_counted).astype(np.int64)
-    return sums | {"irradiation": sums["direct"] + sums["diffuse"]}
+    is_sky = suns.is_sky[chosen]
+    direct, diffuse = (
+        _gnomon.energy_sums(answers, normals, suns.true[chosen], np.where(is_counted, weights, 0))
+        for is_counted in (~is_sky, is_sky)
+    )
+    return {"direct": direct, "diffuse": diffuse, "irradiation": direct + diffuse}
 
 
 def kilowatt_hours(units: NDArray[np.int64]) -> NDArray[np.float64]:

@@ -53,8 +53,9 @@ class Settings:
     zone: the side of sun zones. The suns of a zone's centre serve the whole zone.
     directions: a table of suns instead of times, a .csv or .npy file (docs/studies.md). The light travels along its
         x, y, z, downwards; z points up unless the column `up` says y.
-    weather: an EPW file, or a TMY3 table (.csv), instead of times: irradiation in kWh/m2 by the file's direct and
-        diffuse irradiance, with the cosines of the receivers' normals; place, years and time zone are the file's.
+    weather: a file of gnomon.weather.read() (EPW, TMY2, TMY3, ...) instead of times: irradiation in kWh/m2 by the
+        file's direct and diffuse irradiance, with the cosines of the receivers' normals; place, years and time zone are
+        the file's.
     weights: a .csv or .npy file of one number per sun of start..end, below the horizon too (W h/m2, say).
     sun_disk: 0: the sun is a point. N: N directions on a disk of .533 degrees for each sun.
     sky: 0, or N, 1 to 16: each of Tregenza's 145 patches of the sky is N x N suns, which weigh cos(zenith) x solid
