@@ -277,6 +277,39 @@ Proof.
 Qed.
 End Devices.
 
+(* ---- Where nothing underflows -------------------------------------------------------------------------------------- *)
+
+Definition any : Q := 2 ^ 129.
+Definition computed x e v := computes_normal x e v /\ within_limits x (Q2R any) (Q2R any) e.
+Lemma near x e v : computed x e v -> Rabs (v - real x e) <= alpha u32 (roundings e) * permanent x e.
+Proof. intros [C L]. exact (error_of_normal_numbers x any any e v L C). Qed.
+Lemma alpha_below k : (k <= 16)%nat -> alpha u32 k <= INR k * (1 + / 1048576) * / 16777216.
+Proof.
+  intros H. unfold alpha. replace u32 with (/ 16777216) by (unfold u32; simpl; lra).
+  do 17 (destruct k as [| k]; [simpl pow; simpl INR; lra |]). lia.
+Qed.
+Lemma alpha_at_least k : 0 <= alpha u32 k.
+Proof. apply alpha_positive. apply bpow_ge_0. Qed.
+
+(* The same in double. *)
+Definition any64 : Q := 2 ^ 1025.
+Definition computed64 x e v := computes64 x e v /\ within_limits x (Q2R any64) (Q2R any64) e.
+Lemma near64 x e v : computed64 x e v -> Rabs (v - real x e) <= alpha u64 (roundings e) * permanent x e.
+Proof.
+  intros [C L]. assert (u0 : 0 <= u64) by apply bpow_ge_0. unfold computes64 in C.
+  assert (N := computed_is_near u64 0 u0 (Rle_refl 0) rounds64 seen64 rounds64_near seen64_near x _ _ e v L C).
+  assert (U : underflow u64 0 (Q2R any64) (Q2R any64) e = 0).
+  { clear. induction e; cbn [underflow]; unfold of_product; rewrite ?IHe, ?IHe1, ?IHe2, ?IHe3; ring. }
+  lra.
+Qed.
+Lemma alpha64_below k : (k <= 16)%nat -> alpha u64 k <= INR k * (1 + / 1048576) * / 9007199254740992.
+Proof.
+  intros H. unfold alpha. replace u64 with (/ 9007199254740992) by (unfold u64; simpl; lra).
+  do 17 (destruct k as [| k]; [simpl pow; simpl INR; lra |]). lia.
+Qed.
+Lemma alpha64_at_least k : 0 <= alpha u64 k.
+Proof. apply alpha_positive. apply bpow_ge_0. Qed.
+
 (* Closes `permanent x value <= permanent x size`, where both are equal, and `real x size = permanent x size`. *)
 Ltac same_products :=
   intros; cbn; repeat (rewrite Rabs_mult || rewrite Rabs_Rabsolu || rewrite (Rabs_pos_eq (Rabs _ * _ + _)));

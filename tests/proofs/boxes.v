@@ -43,17 +43,7 @@ Open Scope R_scope.
 Section Boxes.
 Variable x : nat -> R.
 Variables D L : R.
-Definition any : Q := 2 ^ 129.
-Definition computed e v := computes_normal x e v /\ within_limits x (Q2R any) (Q2R any) e.
-Lemma near e v : computed e v -> Rabs (v - real x e) <= alpha u32 (roundings e) * permanent x e.
-Proof. intros [C H]. exact (error_of_normal_numbers x any any e v H C). Qed.
-Lemma alpha_below k : (k <= 8)%nat -> alpha u32 k <= INR k * (1 + / 1048576) * / 16777216.
-Proof.
-  intros H. unfold alpha. replace u32 with (/ 16777216) by (unfold u32; simpl; lra).
-  do 9 (destruct k as [| k]; [simpl pow; simpl INR; lra |]). lia.
-Qed.
-Lemma alpha_at_least k : 0 <= alpha u32 k.
-Proof. apply alpha_positive. apply bpow_ge_0. Qed.
+Local Notation computed := (computed x).
 
 (* ---- Parallel rays ---- *)
 Definition least_factor : Q := 161 # 167772160.

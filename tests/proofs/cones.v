@@ -60,7 +60,6 @@ Proof. do 2 eexists. split; reflexivity. Qed.
 Definition thrice := Times 3 size.
 Definition constant : Q := kernels_constant * (1 # 3) * (1 - (7 # 2 ^ 24)).
 Definition least_bound := Eval vm_compute in (3 * rate u32Q value thrice / (1 - (7 # 2 ^ 24)))%Q.
-Definition any : Q := 2 ^ 129.
 
 Lemma products : permanent x value <= permanent x thrice.
 Proof.

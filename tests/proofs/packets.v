@@ -58,8 +58,6 @@ Definition bound_rest : Q := 1 # 18446744073709551616.
 Open Scope R_scope.
 Local Notation k := (1001 / 1000).
 Local Notation four := (401 / 100 * / 16777216).
-Definition any : Q := 2 ^ 129.
-Definition computed x e v := computes_normal x e v /\ within_limits x (Q2R any) (Q2R any) e.
 
 Lemma four_is : alpha u32 4 <= four.
 Proof. assert (F := four_roundings). lra. Qed.

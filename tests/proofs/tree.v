@@ -43,7 +43,6 @@ Let in_scene i := Rabs (x i) <= L.
 Hypotheses (n_x_in : below_one n_x) (n_y_in : below_one n_y) (n_z_in : below_one n_z).
 Hypotheses (X_x_in : in_scene X_x) (X_y_in : in_scene X_y) (X_z_in : in_scene X_z).
 Hypotheses (P_x_in : in_scene P_x) (P_y_in : in_scene P_y) (P_z_in : in_scene P_z).
-Definition any : Q := 2 ^ 129.
 
 (* Twice three products that round three times, and the limit's sum. *)
 Definition least_factor : Q := 22 # 16777216.
