@@ -10,6 +10,7 @@ the expressions, in their order, with the kernel's constants. They stand in the 
 
 so that what is proved is what runs. The operands of + and * are ordered by name, as their order changes no bit.
 A quotient or a maximum becomes an input of what uses it, quotient_1 or greater_1, after definitions of its two operands.
+A sign that is taken from a float's bits and given to others by their bits is left out: it turns values, not their errors.
 
 usage: expressions.py FILE...           fails if a proof's part is not what the kernels evaluate
        expressions.py --write FILE...   writes that part
@@ -177,6 +178,12 @@ class Probe:
         self.values[target] = self.result(name, rest, line)
 
     def result(self, name, rest, line):
+        if name == "and" and rest.startswith("i32 ") and rest.endswith(", -2147483648"):
+            return ("sign",)
+        if name == "xor" and rest.startswith("i32 "):
+            a, b = (self.value(o) for o in split_operands(rest[len("i32 "):]))
+            if ("sign",) in (a, b):
+                return b if a == ("sign",) else a
         if name in OPERATIONS:
             kind = re.match(rf"{TYPE} ", rest).group(0)
             a, b = split_operands(rest)
@@ -224,7 +231,7 @@ class Probe:
                 return [both[0]] * int(re.match(r"<(\d+)", mask).group(1))
             picks = re.findall(r"i32 (\w+)", mask.split(">", 1)[1])
             return [both[int(i)] if i.isdigit() else ("undef",) for i in picks]
-        if name in ("fpext", "uitofp") or (name == "bitcast" and "*" in rest):  # exact (of integers: below 2^24)
+        if name in ("fpext", "uitofp", "sitofp", "bitcast"):  # exact (of integers: below 2^24)
             return self.typed(rest.rsplit(" to ", 1)[0])
         if name == "getelementptr":
             parts = split_operands(rest)
