@@ -1,14 +1,14 @@
 (* SPDX-License-Identifier: MIT *)
-(* beam_intersect.clh, point lights: the values of a triangle's edge and of its plane, h = n . (S - A), against one bound,
-   which a box of lights multiplies with CONE_BOUNDS (docs/numerics.md, 16).
-     bound_is_large        the computed bound is more than 8.6 u reach |A - P|_1 |B - A|_1;
-     scale_is_small        the plane's scale times PLANE_BOUNDS BEAM_BOUND |n| (|A - P|_1 + 3 reach) is about the bound;
-     edge_near, edge_of_box_near, plane_near, plane_of_box_near   so each value is off by at most the bound.
+(* cut_outs.clh, lanes_texels(): a texture coordinate of one of many hits, in texels, from the float level's e (docs/numerics.md,
+   15).
+     lost_near       what the e and their sum are off by, as computed;
+     quotient_near   the quotient of what is computed;
+     texel_near      the coordinate in texels.
 
-   Assumed: D = S - P has no coordinate above `reach`, but for 6 u of it; for the box, whose part may stick out of the whole
-   box, the coordinates of the four vectors add up to at most 3 reach (geometry: the lights of a part lie in the whole box);
-   a quotient is off by 2.5 ulp; no result is below 2^-126 unless it is 0 (BEAM_UNDERFLOW covers it: prose). A greater of two
-   is at least both. Overflow: nothing exceeds 2^60. *)
+   Assumed: each e is off by at most its bound less 4 % (det3_float.v has 4.8 %), the real ones have one sign and their sum is
+   not 0 (the ray meets the triangle); no corner's coordinate exceeds greater_4; a quotient is off by 2.5 ulp; no result is
+   below 2^-126 unless it is 0 (4 u covers it: prose). A greater of two is at least both. In prose: what a texel's class does with a coordinate that is
+   certain to half a texel. Overflow: coordinates are below 2^20 texels, e at most 2^66. *)
 From Coq Require Import Reals QArith Qreals Lra Psatz.
 From Flocq Require Import Core.
 Require Import Roundings Devices Filters.
@@ -75,216 +75,115 @@ Definition error_rest : Q := 1 # 4194304.
 
 Open Scope R_scope.
 Local Notation u := (/ 16777216).
-Definition of_edge : Q := match bound with Add _ (Mul _ (Mul _ (Times c _))) => c | _ => 0%Q end.
-Definition of_plane : Q * Q := match quotient_1_under with
-  Add _ (Mul (Times p (Add a (Times t _))) (Times c _)) => (p, c) | _ => (0%Q, 0%Q) end.
+Definition top := quotient_1_over.
 
-Lemma cross_total a b c d e f : 0 <= a -> 0 <= b -> 0 <= c -> 0 <= d -> 0 <= e -> 0 <= f ->
-  (b * f + c * e) + (c * d + a * f) + (a * e + b * d) <= (a + b + c) * (d + e + f).
-Proof.
-  intros. assert (0 <= a * d) by (apply Rmult_le_pos; lra). assert (0 <= b * e) by (apply Rmult_le_pos; lra).
-  assert (0 <= c * f) by (apply Rmult_le_pos; lra). lra.
-Qed.
-Lemma dot_below l m n d e f r : 0 <= l -> 0 <= m -> 0 <= n -> d <= r -> e <= r -> f <= r ->
-  l * d + (m * e + n * f) <= (l + m + n) * r.
-Proof.
-  intros. assert (l * d <= l * r) by (apply Rmult_le_compat_l; lra). assert (m * e <= m * r) by (apply Rmult_le_compat_l; lra).
-  assert (n * f <= n * r) by (apply Rmult_le_compat_l; lra). lra.
-Qed.
-
-Section Lights.
+Section Hit.
 Variable x : nat -> R.
-Let size i j k l m n := Rabs (x i - x j) + Rabs (x k - x l) + Rabs (x m - x n).
-Let a := size A_x P_x A_y P_y A_z P_z.
-Let f := size B_x A_x B_y A_y B_z A_z.
-Let reach' := x reach.
-Hypothesis reach0 : 0 <= reach'.
-Lemma size0 i j k l m n : 0 <= size i j k l m n.
-Proof. unfold size. repeat apply Rplus_le_le_0_compat; apply Rabs_pos. Qed.
+Local Notation computed := (computed x).
+Variables E_a E_b E_c U : R.  (* the real barycentric coordinates, and the hit's coordinate *)
+Let near_e e E b := Rabs (x e - E) <= 96 / 100 * x b.
+Hypotheses (a_near : near_e e_a E_a bound_a) (b_near : near_e e_b E_b bound_b) (c_near : near_e e_c E_c bound_c).
+Let M := x greater_4.
+Hypotheses (u_x_in : Rabs (x u_x) <= M) (u_y_in : Rabs (x u_y) <= M) (u_z_in : Rabs (x u_z) <= M) (U_in : Rabs U <= M).
+Hypothesis U_is : U * (E_a + E_b + E_c) = E_a * x u_x + E_b * x u_y + E_c * x u_z.
+Let S := Rabs (x e_a) + Rabs (x e_b) + Rabs (x e_c).
+Let B := x bound_a + x bound_b + x bound_c.
 
-(* ---- The bound ---- *)
-Lemma size_near i j k l m n v :
-  computed x (Add (Abs (Diff m n)) (Add (Abs (Diff i j)) (Abs (Diff k l)))) v -> (1 - 301 / 100 * u) * size i j k l m n <= v.
+Lemma M0 : 0 <= M.
+Proof. eapply Rle_trans; [apply Rabs_pos | exact U_in]. Qed.
+Lemma S0 : 0 <= S.
+Proof. unfold S. repeat apply Rplus_le_le_0_compat; apply Rabs_pos. Qed.
+Lemma b0 : 0 <= x bound_a /\ 0 <= x bound_b /\ 0 <= x bound_c.
+Proof. repeat split; [assert (H := Rle_trans _ _ _ (Rabs_pos _) a_near) | assert (H := Rle_trans _ _ _ (Rabs_pos _) b_near) |
+  assert (H := Rle_trans _ _ _ (Rabs_pos _) c_near)]; lra. Qed.
+
+Theorem lost_near l : computed lost l -> 999 / 1000 * (B + 4 * u * S) <= l.
 Proof.
-  intros C. apply near in C. assert (A := alpha_below 3 ltac:(lia)). simpl INR in A. cbn -[u32 alpha] in C.
-  assert (S := size0 i j k l m n). unfold size in *.
-  assert (E := Rmult_le_compat_r _ _ _ S A). apply between in C. lra.
+  intros C. apply near in C. destruct b0 as (b1 & b2 & b3). assert (s0 := S0). unfold S, B in *.
+  assert (A := alpha_below (roundings lost) ltac:(vm_compute; lia)). cbn [roundings lost max Nat.max] in A.
+  cbn -[u32 alpha Q2R] in C. rewrite !(Rabs_pos_eq (Q2R _)), (Rabs_pos_eq (x bound_a)), (Rabs_pos_eq (x bound_b)), (Rabs_pos_eq (x bound_c)) in C
+    by (try (unfold Q2R; simpl); lra).
+  replace (Q2R (1 # 4194304)) with (4 * u) in C by (unfold Q2R; simpl; lra). simpl INR in A.
+  set (P := x bound_a + x bound_b + x bound_c + 4 * u * (Rabs (x e_c) + (Rabs (x e_a) + Rabs (x e_b)))) in *.
+  assert (E := Rmult_le_compat_r P _ _ ltac:(unfold P; lra) A). apply between in C. unfold P in *. lra.
 Qed.
 
-Hypotheses (a_is : forall v, computed x greater_2_one v -> v <= x greater_2).
-Hypotheses (f_is : forall v, computed x greater_3_one v -> v <= x greater_4).
-Variables a' f' : R.
-Hypotheses (a_computed : computed x greater_2_one a') (f_computed : computed x greater_3_one f').
-Hypotheses (one : 0 <= x greater_1).
-Theorem bound_is_large b : computed x bound b -> 86 / 10 * u * (a * f * reach') <= b.
+Lemma sum_near s : computed sum s -> Rabs (s - (E_a + E_b + E_c)) <= 96 / 100 * B + 201 / 100 * u * S.
 Proof.
-  intros C. apply near in C. assert (A := alpha_below 4 ltac:(lia)). simpl INR in A.
-  assert (Sa := size_near _ _ _ _ _ _ _ a_computed). assert (Sf := size_near _ _ _ _ _ _ _ f_computed).
-  apply a_is in a_computed as Ga. apply f_is in f_computed as Gf. fold a in Sa. fold f in Sf.
-  assert (a0 : 0 <= a) by apply size0. assert (f0 : 0 <= f) by apply size0.
-  assert (P : (1 - 301 / 100 * u) * a * ((1 - 301 / 100 * u) * f) <= x greater_2 * x greater_4) by (apply Rmult_le_compat; lra).
-  assert (Q := Rmult_le_compat_r reach' _ _ reach0 P).
-  unfold bound in C. cbn -[u32 alpha Q2R] in C. fold reach' in C.
-  rewrite !(Rabs_pos_eq (Q2R _)) in C by (unfold Q2R; simpl; lra).
-  rewrite (Rabs_pos_eq reach'), (Rabs_pos_eq (x greater_2)), (Rabs_pos_eq (x greater_4)), (Rabs_pos_eq (x greater_1)) in C by lra.
-  set (T := Q2R (1 # 18446744073709551616) * x greater_1) in *.
-  assert (T0 : 0 <= T) by (unfold T; apply Rmult_le_pos; [unfold Q2R; simpl |]; lra).
-  replace (Q2R (9147937 # 17592186044416)) with (9147937 / 17592186044416) in C by (unfold Q2R; simpl; lra).
-  assert (W0 : 0 <= a * f * reach') by (repeat apply Rmult_le_pos; lra).
-  set (W := x greater_2 * x greater_4 * reach') in *.
-  assert (S0 : 0 <= T + 9147937 / 17592186044416 * W) by lra.
-  assert (E := Rmult_le_compat_r _ _ _ S0 A). unfold W in E at 1. apply between in C. unfold W in *. lra.
+  intros C. apply near in C. cbn -[u32 alpha] in C. assert (A := alpha_below 2 ltac:(lia)). simpl INR in A.
+  assert (P := Rmult_le_compat_r _ _ _ S0 A). unfold S, B, near_e in *.
+  apply between in C. apply between in a_near. apply between in b_near. apply between in c_near. apply Rabs_le. lra.
+Qed.
+Lemma top_near t : computed top t -> Rabs (t - U * (E_a + E_b + E_c)) <= M * (96 / 100 * B + 301 / 100 * u * S).
+Proof.
+  intros C. apply near in C. cbn -[u32 alpha] in C. assert (A := alpha_below 3 ltac:(lia)). simpl INR in A.
+  assert (m0 := M0). assert (s0 := S0).
+  assert (P : Rabs (x e_a) * Rabs (x u_x) + Rabs (x e_b) * Rabs (x u_y) + Rabs (x e_c) * Rabs (x u_z) <= S * M).
+  { assert (times : forall i j, Rabs (x j) <= M -> Rabs (x i) * Rabs (x j) <= Rabs (x i) * M).
+    { intros. apply Rmult_le_compat_l; auto using Rabs_pos. }
+    assert (T1 := times e_a _ u_x_in). assert (T2 := times e_b _ u_y_in). assert (T3 := times e_c _ u_z_in). unfold S. lra. }
+  assert (P0 : 0 <= Rabs (x e_a) * Rabs (x u_x) + Rabs (x e_b) * Rabs (x u_y) + Rabs (x e_c) * Rabs (x u_z)).
+  { repeat apply Rplus_le_le_0_compat; apply Rmult_le_pos; apply Rabs_pos. }
+  assert (G := Rmult_le_compat _ _ _ _ (alpha_at_least 3) P0 A P).
+  assert (moves : forall e E b j, near_e e E b -> Rabs (x j) <= M -> Rabs (x e * x j - E * x j) <= 96 / 100 * x b * M).
+  { intros e E b j He Hj. replace (x e * x j - E * x j) with ((x e - E) * x j) by ring. rewrite Rabs_mult.
+    apply Rmult_le_compat; auto using Rabs_pos. }
+  assert (V1 := moves _ _ _ _ a_near u_x_in). assert (V2 := moves _ _ _ _ b_near u_y_in).
+  assert (V3 := moves _ _ _ _ c_near u_z_in). rewrite U_is.
+  assert (SM : 0 <= S * M) by (apply Rmult_le_pos; lra). unfold B.
+  apply between in C. apply between in V1. apply between in V2. apply between in V3. apply Rabs_le. lra.
 Qed.
 
-(* ---- Edges ---- *)
-Let N_x := Rabs (x A_y - x P_y) * Rabs (x B_z - x A_z) + Rabs (x A_z - x P_z) * Rabs (x B_y - x A_y).
-Let N_y := Rabs (x A_z - x P_z) * Rabs (x B_x - x A_x) + Rabs (x A_x - x P_x) * Rabs (x B_z - x A_z).
-Let N_z := Rabs (x A_x - x P_x) * Rabs (x B_y - x A_y) + Rabs (x A_y - x P_y) * Rabs (x B_x - x A_x).
-Lemma N_below r l m n : 0 <= r -> l <= r -> m <= r -> n <= r -> N_x * l + (N_y * m + N_z * n) <= a * f * r.
+(* What the kernel divides by the sum, in real numbers. *)
+Let D s := 2 * (B + 4 * u * S) / Rabs s.
+Theorem quotient_near s t : computed sum s -> computed top t -> s <> 0 -> Rabs (t / s - U) <= M * (97 / 100 * D s).
 Proof.
-  intros. assert (Z : forall i j k l, 0 <= Rabs (x i - x j) * Rabs (x k - x l)) by (intros; apply Rmult_le_pos; apply Rabs_pos).
-  eapply Rle_trans; [apply dot_below with (r := r); auto; apply Rplus_le_le_0_compat; apply Z |].
-  apply Rmult_le_compat_r; [assumption |]. apply cross_total; apply Rabs_pos.
+  intros Cs Ct s0. assert (Ns := sum_near _ Cs). assert (Nt := top_near _ Ct). assert (m0 := M0). assert (p0 := S0).
+  destruct b0 as (b1 & b2 & b3). assert (B0 : 0 <= B) by (unfold B; lra). assert (s1 := Rabs_pos_lt _ s0).
+  replace (t / s - U) with (((t - U * (E_a + E_b + E_c)) + - (U * (s - (E_a + E_b + E_c)))) * / s) by (field; auto).
+  rewrite Rabs_mult, Rabs_inv.
+  replace (M * (97 / 100 * D s)) with (M * (97 / 50 * (B + 4 * u * S)) * / Rabs s) by (unfold D; field; lra).
+  apply Rmult_le_compat_r; [left; apply Rinv_0_lt_compat, s1 |].
+  eapply Rle_trans; [apply Rabs_triang |]. rewrite Rabs_Ropp, Rabs_mult.
+  assert (G := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) U_in Ns).
+  assert (MB : 0 <= M * B) by (apply Rmult_le_pos; auto). assert (MS : 0 <= M * (u * S)) by (apply Rmult_le_pos; [| apply Rmult_le_pos]; lra). lra.
 Qed.
 
-Let one_light r := Rabs (x S_x - x P_x) <= r /\ Rabs (x S_y - x P_y) <= r /\ Rabs (x S_z - x P_z) <= r.
-Let of_box i l m n j := Rabs (x i - x j) + (Rabs (x l) + (Rabs (x m) + Rabs (x n))).
-Let box r := of_box box_1_0 box_0_0_0 box_2_0 box_3_0 P_x <= r /\ of_box box_1_1 box_0_0_1 box_2_1 box_3_1 P_y <= r /\
-  of_box box_1_2 box_0_0_2 box_2_2 box_3_2 P_z <= r.
-
-Theorem edge_near v b : one_light ((1 + 6 * u) * reach') -> computed x edge v -> computed x bound b ->
-  Rabs (v - real x edge) <= b.
+(* The quotient is off by 5 roundings, then the product by one. *)
+Definition least_term : Q := 91 # 167772160.
+Hypothesis width0 : 0 <= x width.
+Theorem texel_near s t v : computed sum s -> computed top t -> s <> 0 -> x quotient_1 = t / s -> D s <= 501 / 1000 ->
+  computed texel v -> Rabs (v - U * x width) <= x width * M * (98 / 100 * D s + Q2R least_term).
 Proof.
-  intros (L1 & L2 & L3) C Cb. apply bound_is_large in Cb. apply near in C. eapply Rle_trans; [exact C | clear C].
-  assert (A := alpha_below 8 ltac:(lia)). simpl INR in A.
-  assert (G := N_below ((1 + 6 * u) * reach') _ _ _ ltac:(lra) L1 L2 L3). change (roundings edge) with 8%nat.
-  assert (P : permanent x edge <= a * f * ((1 + 6 * u) * reach')) by (unfold N_x, N_y, N_z in G; cbn; lra).
-  assert (E := Rmult_le_compat _ _ _ _ (alpha_at_least 8) (permanent_positive x edge) A P).
-  assert (W0 : 0 <= a * f * reach') by (repeat apply Rmult_le_pos; auto; apply size0). lra.
+  intros Cs Ct s0 quotient usable C. assert (N := quotient_near _ _ Cs Ct s0). assert (m0 := M0). assert (p0 := S0).
+  apply near in C. cbn -[u32 alpha] in C. rewrite quotient in C. rewrite (Rabs_pos_eq (x width)) in C by assumption.
+  assert (A := alpha_below 6 ltac:(lia)). simpl INR in A. destruct b0 as (b1 & b2 & b3). assert (s1 := Rabs_pos_lt _ s0).
+  assert (D0 : 0 <= D s).
+  { unfold D, Rdiv. apply Rmult_le_pos; [unfold B; lra | left; apply Rinv_0_lt_compat, s1]. }
+  assert (MD : M * D s <= M * (501 / 1000)) by (apply Rmult_le_compat_l; auto).
+  assert (size : Rabs (t / s) <= 3 / 2 * M).
+  { replace (t / s) with ((t / s - U) + U) by ring. eapply Rle_trans; [apply Rabs_triang |]. lra. }
+  assert (sizes := Rmult_le_compat_r _ _ _ width0 size).
+  assert (Q0 : 0 <= Rabs (t / s) * x width) by (apply Rmult_le_pos; auto using Rabs_pos).
+  assert (G := Rmult_le_compat _ _ _ _ (alpha_at_least 6) Q0 A sizes).
+  replace (v - U * x width) with ((v - t / s * x width) + (t / s - U) * x width) by ring.
+  eapply Rle_trans; [apply Rabs_triang |]. rewrite Rabs_mult, (Rabs_pos_eq (x width)) by assumption.
+  assert (G2 := Rmult_le_compat_r _ _ _ width0 N).
+  replace (Q2R least_term) with (91 / 10 * u) by (unfold Q2R, least_term; simpl; lra).
+  assert (MW : 0 <= M * x width) by (apply Rmult_le_pos; auto).
+  assert (MWD : 0 <= M * x width * D s) by (apply Rmult_le_pos; auto). lra.
 Qed.
+End Hit.
 
-(* From this factor on. *)
-Definition least_times : Q := 349 # 100.
-Theorem edge_of_box_near v b : box (3 * reach') -> computed x edge_of_box v -> computed x bound b ->
-  Rabs (v - real x edge_of_box) <= Q2R least_times * b.
-Proof.
-  intros (L1 & L2 & L3) C Cb. apply bound_is_large in Cb. apply near in C. eapply Rle_trans; [exact C | clear C].
-  assert (A := alpha_below 10 ltac:(lia)). simpl INR in A.
-  replace (Q2R least_times) with (349 / 100) by (unfold Q2R, least_times; simpl; lra).
-  assert (G := N_below (3 * reach') _ _ _ ltac:(lra) L1 L2 L3). change (roundings edge_of_box) with 10%nat.
-  assert (P : permanent x edge_of_box <= a * f * (3 * reach')) by (unfold N_x, N_y, N_z, of_box in G; cbn; lra).
-  assert (E := Rmult_le_compat _ _ _ _ (alpha_at_least 10) (permanent_positive x edge_of_box) A P).
-  assert (W0 : 0 <= a * f * reach') by (repeat apply Rmult_le_pos; auto; apply size0). lra.
-Qed.
-
-(* ---- The plane ---- *)
-Let M_x := Rabs (x A_y - x C_y) * Rabs (x B_z - x A_z) + Rabs (x A_z - x C_z) * Rabs (x B_y - x A_y).
-Let M_y := Rabs (x A_z - x C_z) * Rabs (x B_x - x A_x) + Rabs (x A_x - x C_x) * Rabs (x B_z - x A_z).
-Let M_z := Rabs (x A_x - x C_x) * Rabs (x B_y - x A_y) + Rabs (x A_y - x C_y) * Rabs (x B_x - x A_x).
-Lemma M0 : 0 <= M_x /\ 0 <= M_y /\ 0 <= M_z.
-Proof. repeat split; apply Rplus_le_le_0_compat; apply Rmult_le_pos; apply Rabs_pos. Qed.
-(* The greatest of the normal's sizes, of which greater_6 is the computed one: 4 roundings. *)
-Variable n : R.
-Hypotheses (M_x_in : M_x <= n) (M_y_in : M_y <= n) (M_z_in : M_z <= n).
-Hypotheses (n_is : (1 - 401 / 100 * u) * n <= x greater_6).
-Let q := x quotient_1.
-Hypothesis q0 : 0 <= q.
-(* What PLANE_BOUNDS BEAM_BOUND is multiplied with, times the scale. *)
-Let X := q * (n * (a + 3 * reach')).
-Lemma n0 : 0 <= n.
-Proof. destruct M0. lra. Qed.
-Lemma X0 : 0 <= X.
-Proof. unfold X. assert (A := size0 A_x P_x A_y P_y A_z P_z). fold a in A. repeat apply Rmult_le_pos; auto using n0; lra. Qed.
-
-Theorem scale_is_small b w : computed x quotient_1_under w -> q * w <= (1 + 6 * u) * b -> 0 < w ->
-  130 / 10 * u * X <= b.
-Proof.
-  intros C Q w0. assert (Sa : size A_x P_x A_y P_y A_z P_z = a) by reflexivity.
-  apply near in C. assert (A := alpha_below 8 ltac:(lia)). simpl INR in A. assert (A8 := alpha_at_least 8).
-  unfold quotient_1_under, greater_2_one in C. cbn -[u32 alpha Q2R] in C. fold reach' in C.
-  rewrite !(Rabs_pos_eq (Q2R _)) in C by (unfold Q2R; simpl; lra).
-  rewrite (Rabs_pos_eq reach') in C by lra. assert (a0 : 0 <= a) by apply size0. assert (n0 := n0).
-  assert (g0 : 0 <= x greater_6) by lra. rewrite (Rabs_pos_eq (x greater_6)) in C by lra.
-  replace (Rabs (x A_z - x P_z) + (Rabs (x A_x - x P_x) + Rabs (x A_y - x P_y))) with a in C by (unfold a, size; ring).
-  replace (Q2R (3 # 2)) with (3 / 2) in C by (unfold Q2R; simpl; lra). replace (Q2R (3 # 1)) with 3 in C by (unfold Q2R; simpl; lra).
-  replace (Q2R (9147937 # 17592186044416)) with (9147937 / 17592186044416) in C by (unfold Q2R; simpl; lra).
-  set (T := Q2R (1 # 18446744073709551616)) in *. assert (T0 : 0 <= T) by (unfold T, Q2R; simpl; lra).
-  set (Y := (a + 3 * reach') * x greater_6). assert (Y0 : 0 <= Y) by (apply Rmult_le_pos; lra).
-  assert (Y1 : (1 - 401 / 100 * u) * (n * (a + 3 * reach')) <= Y).
-  { unfold Y. assert (G := Rmult_le_compat_r (a + 3 * reach') _ _ ltac:(lra) n_is). lra. }
-  replace (3 / 2 * (a + 3 * reach') * (9147937 / 17592186044416 * x greater_6)) with (3 / 2 * (9147937 / 17592186044416) * Y) in C
-    by (unfold Y; ring).
-  assert (E := Rmult_le_compat_r (T + 3 / 2 * (9147937 / 17592186044416) * Y) _ _ ltac:(lra) A).
-  apply between in C. assert (W : (1 - 81 / 10 * u) * (3 / 2 * (9147937 / 17592186044416) * Y) <= w) by lra.
-  assert (G := Rmult_le_compat_l q _ _ q0 W). assert (H := Rmult_le_compat_l q _ _ q0 Y1). unfold X.
-  assert (Z := X0). unfold X in Z. lra.
-Qed.
-
-Lemma M_below l m o : 0 <= l -> 0 <= m -> 0 <= o -> l * M_x + (m * M_y + o * M_z) <= n * (l + m + o).
-Proof.
-  intros. assert (l * M_x <= l * n) by (apply Rmult_le_compat_l; lra). assert (m * M_y <= m * n) by (apply Rmult_le_compat_l; lra).
-  assert (o * M_z <= o * n) by (apply Rmult_le_compat_l; lra). lra.
-Qed.
-
-Theorem plane_near v b w : one_light ((1 + 6 * u) * reach') -> computed x quotient_1_under w -> q * w <= (1 + 6 * u) * b -> 0 < w ->
-  computed x plane v -> Rabs (v - real x plane) <= b.
-Proof.
-  intros (L1 & L2 & L3) Cw Hq w0 C. assert (B := scale_is_small _ _ Cw Hq w0). apply near in C.
-  eapply Rle_trans; [exact C | clear C]. assert (A := alpha_below 10 ltac:(lia)). simpl INR in A.
-  change (roundings plane) with 10%nat.
-  assert (G := M_below _ _ _ (Rabs_pos (x S_x - x P_x)) (Rabs_pos (x S_y - x P_y)) (Rabs_pos (x S_z - x P_z))).
-  assert (H := M_below _ _ _ (Rabs_pos (x A_x - x P_x)) (Rabs_pos (x A_y - x P_y)) (Rabs_pos (x A_z - x P_z))).
-  fold (size A_x P_x A_y P_y A_z P_z) in H. fold a in H. assert (n0 := n0).
-  assert (D : n * (Rabs (x S_x - x P_x) + Rabs (x S_y - x P_y) + Rabs (x S_z - x P_z)) <= n * (3 * ((1 + 6 * u) * reach'))).
-  { apply Rmult_le_compat_l; lra. }
-  assert (a0 : 0 <= a) by apply size0. assert (na : 0 <= n * a) by (apply Rmult_le_pos; lra).
-  assert (P : permanent x plane <= (1 + 6 * u) * X).
-  { unfold plane; cbn; fold q; rewrite (Rabs_pos_eq q) by assumption.
-    set (D_x := Rabs (x S_x - x P_x)) in *. set (D_y := Rabs (x S_y - x P_y)) in *. set (D_z := Rabs (x S_z - x P_z)) in *.
-    set (a_x := Rabs (x A_x - x P_x)) in *. set (a_y := Rabs (x A_y - x P_y)) in *. set (a_z := Rabs (x A_z - x P_z)) in *.
-    assert (Q := Rmult_le_compat_l q _ _ q0 (Rplus_le_compat _ _ _ _ (Rle_trans _ _ _ G D) H)).
-    assert (qna := Rmult_le_pos _ _ q0 na). unfold X, M_x, M_y, M_z in *. lra. }
-  assert (E := Rmult_le_compat _ _ _ _ (alpha_at_least 10) (permanent_positive x plane) A P). assert (Z := X0). lra.
-Qed.
-
-Theorem plane_of_box_near v b w : box (3 * reach') -> computed x quotient_1_under w -> q * w <= (1 + 6 * u) * b -> 0 < w ->
-  computed x plane_of_box v -> Rabs (v - real x plane_of_box) <= Q2R least_times * b.
-Proof.
-  intros (L1 & L2 & L3) Cw Hq w0 C. assert (B := scale_is_small _ _ Cw Hq w0). apply near in C.
-  eapply Rle_trans; [exact C | clear C]. assert (A := alpha_below 11 ltac:(lia)). simpl INR in A.
-  replace (Q2R least_times) with (349 / 100) by (unfold Q2R, least_times; simpl; lra).
-  change (roundings plane_of_box) with 11%nat. unfold of_box in L1, L2, L3.
-  assert (G := fun i j k => M_below _ _ _ (Rabs_pos (x i)) (Rabs_pos (x j)) (Rabs_pos (x k))).
-  assert (G0 := M_below _ _ _ (Rabs_pos (x box_1_0 - x P_x)) (Rabs_pos (x box_1_1 - x P_y)) (Rabs_pos (x box_1_2 - x P_z))).
-  assert (G1 := G box_0_0_0 box_0_0_1 box_0_0_2). assert (G2 := G box_2_0 box_2_1 box_2_2).
-  assert (G3 := G box_3_0 box_3_1 box_3_2). clear G.
-  assert (H := M_below _ _ _ (Rabs_pos (x A_x - x P_x)) (Rabs_pos (x A_y - x P_y)) (Rabs_pos (x A_z - x P_z))).
-  fold (size A_x P_x A_y P_y A_z P_z) in H. fold a in H. assert (n0 := n0).
-  assert (D : n * (Rabs (x box_1_0 - x P_x) + Rabs (x box_1_1 - x P_y) + Rabs (x box_1_2 - x P_z) +
-    (Rabs (x box_0_0_0) + Rabs (x box_0_0_1) + Rabs (x box_0_0_2)) + (Rabs (x box_2_0) + Rabs (x box_2_1) + Rabs (x box_2_2)) +
-    (Rabs (x box_3_0) + Rabs (x box_3_1) + Rabs (x box_3_2))) <= n * (3 * (3 * reach'))).
-  { apply Rmult_le_compat_l; lra. }
-  assert (a0 : 0 <= a) by apply size0. assert (na : 0 <= n * a) by (apply Rmult_le_pos; lra).
-  assert (P : permanent x plane_of_box <= 3 * X).
-  { unfold plane_of_box; cbn; fold q; rewrite (Rabs_pos_eq q) by assumption.
-    repeat match goal with |- context [Rabs (x ?i - x ?j)] => set (Rabs (x i - x j)) in * end.
-    repeat match goal with |- context [Rabs (x ?i)] => set (Rabs (x i)) in * end.
-    assert (S : forall l m, l <= m -> q * l <= q * m) by (intros; apply Rmult_le_compat_l; auto).
-    assert (S0 := S _ _ G0). assert (S1 := S _ _ G1). assert (S2 := S _ _ G2). assert (S3 := S _ _ G3).
-    assert (SH := S _ _ H). assert (SD := S _ _ D). assert (qna := Rmult_le_pos _ _ q0 na).
-    unfold X, M_x, M_y, M_z in *. lra. }
-  assert (E := Rmult_le_compat _ _ _ _ (alpha_at_least 11) (permanent_positive x plane_of_box) A P). assert (Z := X0). lra.
-Qed.
-End Lights.
-
-Definition least_plane : Q := 1001 # 1677721600.
-Lemma kernels_are_enough : (
-  bound_of_box_constant * (1 - u32Q) >= least_times /\ fst of_plane * snd of_plane * (1 - alphaQ u32Q 16) >= least_plane /\
-  of_edge = snd of_plane)%Q.
-Proof. vm_compute. repeat split; discriminate. Qed.
-Definition constants := Eval vm_compute in shown least_plane (Qred (fst of_plane * snd of_plane)).
+(* The kernel's error has the same form, times 1.05, which covers its own roundings and those of `lost`. *)
+Definition inflation : Q := match error with Mul _ (Times i _) => i | _ => 0%Q end.
+Definition kernels_term : Q := match error with Mul _ (Times _ (Add (Const c) _)) => c | _ => 0%Q end.
+Lemma error_is : error = Mul (Given greater_5 0) (Times inflation (Add (Const kernels_term) (Given quotient_2 5))) /\
+  quotient_2_under = Abs sum /\ quotient_2_over_constant = 2%Q /\ greater_5_other = Mul (Given width 0) (Given greater_4 0).
+Proof. repeat split; reflexivity. Qed.
+Lemma inflation_is_enough : (1 <= inflation * (999 # 1000) * (1 - alphaQ u32Q 16) /\ least_term <= kernels_term)%Q.
+Proof. vm_compute. split; discriminate. Qed.
+Definition constants := Eval vm_compute in shown least_term kernels_term.
 Print constants.
-Definition rests := Eval vm_compute in shown least_times bound_of_box_constant.
-Print rests.
-Definition checked := (bound_is_large, edge_near, edge_of_box_near, scale_is_small, plane_near, plane_of_box_near, kernels_are_enough).
+Definition checked := (lost_near, quotient_near, texel_near, inflation_is_enough).
 Print Assumptions checked.
