@@ -1,14 +1,12 @@
 (* SPDX-License-Identifier: MIT *)
-(* beam_intersect.clh, point lights: the values of a triangle's edge and of its plane, h = n . (S - A), against one bound,
-   which a box of lights multiplies with CONE_BOUNDS (docs/numerics.md, 16).
-     bound_is_large        the computed bound is more than 8.6 u reach |A - P|_1 |B - A|_1;
-     scale_is_small        the plane's scale times PLANE_BOUNDS BEAM_BOUND |n| (|A - P|_1 + 3 reach) is about the bound;
-     edge_near, edge_of_box_near, plane_near, plane_of_box_near   so each value is off by at most the bound.
+(* camera_rays.clh: 1 / t of a hit, N / D, of which two orders follow (docs/numerics.md, 9).
+     wide_is_near           a determinant that is good in double is within 2^-30 of itself, one from the accumulator nearer;
+     nearness_is_near       so nearness() is within 2^-29 of 1 / t;
+     interval_contains_it   the float interval contains every such value, so that disjoint intervals have its order.
 
-   Assumed: D = S - P has no coordinate above `reach`, but for 6 u of it; for the box, whose part may stick out of the whole
-   box, the coordinates of the four vectors add up to at most 3 reach (geometry: the lights of a part lie in the whole box);
-   a quotient is off by 2.5 ulp; no result is below 2^-126 unless it is 0 (BEAM_UNDERFLOW covers it: prose). A greater of two
-   is at least both. Overflow: nothing exceeds 2^60. *)
+   Assumed: the determinants are off by at most their bounds (det3_double.v, camera_rays.v), in float by at most a quarter of
+   themselves; a float quotient is off by 2.5 ulp, a double one is rounded to nearest; no result is below 2^-126 unless it is
+   0 (bounds are at least 2^-61). Overflow: values are at most 2^63, their quotients 2^125. *)
 From Coq Require Import Reals QArith Qreals Lra Psatz.
 From Flocq Require Import Core.
 Require Import Roundings Devices Filters.
@@ -46,216 +44,154 @@ Definition high :=
 
 Open Scope R_scope.
 Local Notation u := (/ 16777216).
-Definition of_edge : Q := match bound with Add _ (Mul _ (Mul _ (Times c _))) => c | _ => 0%Q end.
-Definition of_plane : Q * Q := match quotient_1_under with
-  Add _ (Mul (Times p (Add a (Times t _))) (Times c _)) => (p, c) | _ => (0%Q, 0%Q) end.
+Local Notation h := (/ 9007199254740992).
+Local Notation k := (/ 1073741824).
 
-Lemma cross_total a b c d e f : 0 <= a -> 0 <= b -> 0 <= c -> 0 <= d -> 0 <= e -> 0 <= f ->
-  (b * f + c * e) + (c * d + a * f) + (a * e + b * d) <= (a + b + c) * (d + e + f).
+(* ---- In double ---- *)
+Definition good : Q := match wide_error with Times c _ => c | _ => 0%Q end.
+Definition of_good : Q := good * (1 + u64Q) / (1 - good * (1 + u64Q)).
+Lemma good_is_enough : (of_good <= 1 # 1073741824)%Q.
+Proof. vm_compute. discriminate. Qed.
+Lemma relative v V e : 0 <= e < 1 -> Rabs (v - V) <= e * Rabs v -> Rabs (v - V) <= e / (1 - e) * Rabs V.
 Proof.
-  intros. assert (0 <= a * d) by (apply Rmult_le_pos; lra). assert (0 <= b * e) by (apply Rmult_le_pos; lra).
-  assert (0 <= c * f) by (apply Rmult_le_pos; lra). lra.
+  intros E H. assert (T := Rabs_triang_inv v (v - V)). replace (v - (v - V)) with V in T by ring.
+  assert (Hv : Rabs v <= / (1 - e) * Rabs V).
+  { apply Rmult_le_reg_l with (1 - e); [lra |]. rewrite <- Rmult_assoc, Rinv_r, Rmult_1_l by lra. lra. }
+  assert (G := Rmult_le_compat_l e _ _ ltac:(lra) Hv). unfold Rdiv. lra.
 Qed.
-Lemma dot_below l m n d e f r : 0 <= l -> 0 <= m -> 0 <= n -> d <= r -> e <= r -> f <= r ->
-  l * d + (m * e + n * f) <= (l + m + n) * r.
+Theorem wide_is_near v V bound limit : Rabs (v - V) <= bound -> bound <= limit -> Rabs (limit - Q2R good * Rabs v) <= h * Rabs (Q2R good * Rabs v) ->
+  Rabs (v - V) <= / 1073741824 * Rabs V.
 Proof.
-  intros. assert (l * d <= l * r) by (apply Rmult_le_compat_l; lra). assert (m * e <= m * r) by (apply Rmult_le_compat_l; lra).
-  assert (n * f <= n * r) by (apply Rmult_le_compat_l; lra). lra.
+  intros H K L. assert (v0 := Rabs_pos v). replace (Q2R good) with (4352132950612665 / 4835703278458516698824704) in L
+    by (unfold Q2R, good; simpl; lra).
+  rewrite (Rabs_pos_eq (_ * Rabs v)) in L by (apply Rmult_le_pos; lra). apply between in L.
+  assert (N : Rabs (v - V) <= 90000001 / 100000000000000000 * Rabs v) by lra.
+  apply relative in N; [| lra]. assert (V0 := Rabs_pos V). lra.
+Qed.
+Theorem nearness_is_near n d N D w : D <> 0 -> Rabs (n - N) <= / 1073741824 * Rabs N -> Rabs (d - D) <= / 1073741824 * Rabs D ->
+  Rabs (w - n / d) <= h * Rabs (n / d) -> Rabs (w - N / D) <= 101 / 100 * / 536870912 * Rabs (N / D).
+Proof.
+  intros D0 Hn Hd Hw.
+  assert (P := Rabs_pos_lt _ D0). assert (T := Rabs_triang_inv D (D - d)). replace (D - (D - d)) with d in T by ring.
+  rewrite (Rabs_minus_sym D) in T. assert (T' : (1 - k) * Rabs D <= Rabs d) by lra.
+  assert (d0 : d <> 0) by (intros Z; rewrite Z, Rabs_R0 in T'; lra).
+  assert (I : Rabs (/ d) <= 10001 / 10000 * Rabs (/ D)).
+  { rewrite !Rabs_inv. apply Rmult_le_reg_l with (Rabs d); [now apply Rabs_pos_lt |]. rewrite Rinv_r by (apply Rabs_no_R0; auto).
+    apply Rmult_le_reg_r with (Rabs D); auto. rewrite !Rmult_assoc, Rinv_l by (apply Rabs_no_R0; auto). lra. }
+  assert (E : Rabs (n / d - N / D) <= 2001 / 1000 * k * Rabs (N / D)).
+  { replace (n / d - N / D) with ((n - N) * / d + - (N / D * ((d - D) * / d))) by (field; auto).
+    eapply Rle_trans; [apply Rabs_triang |]. rewrite Rabs_Ropp, !(Rabs_mult _ (/ d)), (Rabs_mult (N / D)), !(Rabs_mult _ (/ d)).
+    assert (G1 := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) Hn I).
+    assert (G2 := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) Hd I).
+    replace (k * Rabs D * (10001 / 10000 * Rabs (/ D))) with (k * (10001 / 10000)) in G2
+      by (rewrite Rabs_inv; field; apply Rabs_no_R0; auto).
+    replace (k * Rabs N * (10001 / 10000 * Rabs (/ D))) with (k * (10001 / 10000) * Rabs (N / D)) in G1
+      by (unfold Rdiv; rewrite Rabs_mult; ring).
+    assert (G3 := Rmult_le_compat_l _ _ _ (Rabs_pos (N / D)) G2). assert (Z := Rabs_pos (N / D)).
+    rewrite <- !Rabs_mult in *. lra. }
+  assert (T2 := Rabs_triang (n / d - N / D) (N / D)). replace (n / d - N / D + N / D) with (n / d) in T2 by ring.
+  assert (Z := Rabs_pos (N / D)). replace (w - N / D) with ((w - n / d) + (n / d - N / D)) by ring.
+  eapply Rle_trans; [apply Rabs_triang |]. lra.
 Qed.
 
-Section Lights.
+(* ---- In float ---- *)
+Definition of_both : Q := match error with Mul _ (Add _ (Times c _)) => c | _ => 0%Q end.
+Definition of_rest : Q := match error with Mul _ (Add (Const c) _) => c | _ => 0%Q end.
+Lemma error_is :
+  error = Mul (Abs (Given quotient_1 5)) (Add (Const of_rest) (Times of_both (Add (Given quotient_2 5) (Given quotient_3 5)))) /\
+  low = Sub (Given quotient_1 5) error /\ high = Add (Given quotient_1 5) error.
+Proof. repeat split; reflexivity. Qed.
+(* The same with floats z, a and b, and the error e as an input of the ends. *)
+Definition shared := 99%nat.
+Definition error_of c r := Mul (Abs (Given quotient_1 0)) (Add (Const r) (Times c (Add (Given quotient_2 0) (Given quotient_3 0)))).
+Definition low_of := Sub (Given quotient_1 0) (Given shared 0).
+Definition high_of := Add (Given quotient_1 0) (Given shared 0).
+
+Section Interval.
 Variable x : nat -> R.
-Let size i j k l m n := Rabs (x i - x j) + Rabs (x k - x l) + Rabs (x m - x n).
-Let a := size A_x P_x A_y P_y A_z P_z.
-Let f := size B_x A_x B_y A_y B_z A_z.
-Let reach' := x reach.
-Hypothesis reach0 : 0 <= reach'.
-Lemma size0 i j k l m n : 0 <= size i j k l m n.
-Proof. unfold size. repeat apply Rplus_le_le_0_compat; apply Rabs_pos. Qed.
+Let n := x along. Let d := x depth. Let z := x quotient_1. Let a := x quotient_2. Let b := x quotient_3. Let e := x shared.
+Variables N D w : R.
+Hypotheses (n0 : n <> 0) (d0 : d <> 0).
+Hypotheses (n_near : Rabs (n - N) <= x along_bound) (d_near : Rabs (d - D) <= x depth_bound).
+Hypotheses (n_usable : 4 * x along_bound <= Rabs n) (d_usable : 4 * x depth_bound <= Rabs d).
+Let off q s t := Rabs (q - s / t) <= 501 / 100 * u * Rabs (s / t).
+Hypotheses (z_is : off z n d) (a_is : off a (x along_bound) (Rabs n)) (b_is : off b (x depth_bound) (Rabs d)).
+Hypothesis w_near : Rabs (w - N / D) <= 101 / 100 * / 536870912 * Rabs (N / D).
 
-(* ---- The bound ---- *)
-Lemma size_near i j k l m n v :
-  computed x (Add (Abs (Diff m n)) (Add (Abs (Diff i j)) (Abs (Diff k l)))) v -> (1 - 301 / 100 * u) * size i j k l m n <= v.
+Definition least_both : Q := 133335 # 100000.
+Definition least_rest : Q := 69 # 167772160.
+Variables c r : Q.
+Hypotheses (c_in : Q2R least_both <= Q2R c <= 141 / 100) (r_in : Q2R least_rest <= Q2R r <= 100 * u).
+
+Theorem interval_contains_it l m : computed x (error_of c r) e -> computed x low_of l -> computed x high_of m -> l <= w <= m.
 Proof.
-  intros C. apply near in C. assert (A := alpha_below 3 ltac:(lia)). simpl INR in A. cbn -[u32 alpha] in C.
-  assert (S := size0 i j k l m n). unfold size in *.
-  assert (E := Rmult_le_compat_r _ _ _ S A). apply between in C. lra.
+  intros Ce Cl Ck.
+  assert (A1 := Rabs_pos_lt _ n0). assert (D1 := Rabs_pos_lt _ d0). set (q := Rabs (n / d)) in *.
+  set (A := x along_bound / Rabs n). set (B := x depth_bound / Rabs d).
+  assert (bn := Rle_trans _ _ _ (Rabs_pos _) n_near). assert (bd := Rle_trans _ _ _ (Rabs_pos _) d_near).
+  assert (quarter : forall s t, 0 < t -> 0 <= s -> 4 * s <= t -> 0 <= s / t <= / 4).
+  { intros s t t0 s0 H. assert (I := Rinv_0_lt_compat _ t0). split; [unfold Rdiv; apply Rmult_le_pos; lra |].
+    apply Rmult_le_reg_r with t; auto. unfold Rdiv. rewrite Rmult_assoc, Rinv_l by lra. lra. }
+  assert (A_in := quarter _ _ A1 bn n_usable). assert (B_in := quarter _ _ D1 bd d_usable). fold A in A_in. fold B in B_in. clear quarter.
+  unfold off in *. fold A in a_is. fold B in b_is. fold q in z_is.
+  rewrite (Rabs_pos_eq A) in a_is by lra. rewrite (Rabs_pos_eq B) in b_is by lra. apply between in a_is, b_is.
+  (* The real quotient. *)
+  assert (N_rel : Rabs (n - N) = Rabs ((n - N) / n) * Rabs n) by (rewrite <- Rabs_mult; f_equal; field; auto).
+  assert (D_rel : Rabs (d - D) = Rabs ((d - D) / d) * Rabs d) by (rewrite <- Rabs_mult; f_equal; field; auto).
+  set (s := (n - N) / n) in *. set (t := (d - D) / d) in *.
+  assert (s_in : Rabs s <= A) by (apply Rmult_le_reg_r with (Rabs n); auto; unfold A; unfold Rdiv; rewrite Rmult_assoc, Rinv_l by lra; lra).
+  assert (t_in : Rabs t <= B) by (apply Rmult_le_reg_r with (Rabs d); auto; unfold B; unfold Rdiv; rewrite Rmult_assoc, Rinv_l by lra; lra).
+  assert (t_b := between _ _ t_in).
+  assert (D_is : D = d * (1 - t)) by (unfold t; field; auto). assert (N_is : N = n * (1 - s)) by (unfold s; field; auto).
+  assert (t1 : 1 - t <> 0) by lra.
+  assert (real : Rabs (N / D - n / d) <= 4 / 3 * (A + B) * q).
+  { rewrite N_is, D_is. replace (n * (1 - s) / (d * (1 - t)) - n / d) with (n / d * ((t - s) * / (1 - t))) by (field; auto).
+    rewrite !Rabs_mult. fold q. assert (I : Rabs (/ (1 - t)) <= 4 / 3).
+    { rewrite Rabs_pos_eq by (left; apply Rinv_0_lt_compat; lra). replace (4 / 3) with (/ (3 / 4)) by field. apply Rinv_le_contravar; lra. }
+    assert (S : Rabs (t - s) <= A + B) by (assert (T := Rabs_triang t (- s)); rewrite Rabs_Ropp in T; unfold Rminus; lra).
+    assert (G := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) S I).
+    assert (G2 := Rmult_le_compat_l q _ _ (Rabs_pos _) G). lra. }
+  assert (q0 : 0 <= q) by apply Rabs_pos. assert (T := Rabs_triang (N / D - n / d) (n / d)).
+  replace (N / D - n / d + n / d) with (N / D) in T by ring. fold q in T.
+  assert (qA : 0 <= A * q <= / 4 * q) by (split; [apply Rmult_le_pos | apply Rmult_le_compat_r]; lra).
+  assert (qB : 0 <= B * q <= / 4 * q) by (split; [apply Rmult_le_pos | apply Rmult_le_compat_r]; lra).
+  assert (w_off : Rabs (w - z) <= (502 / 100 * u + 6 / 100 * u) * q + 4 / 3 * (A * q + B * q)).
+  { replace (w - z) with ((w - N / D) + ((N / D - n / d) + - (z - n / d))) by ring. eapply Rle_trans; [apply Rabs_triang |].
+    assert (T2 := Rabs_triang (N / D - n / d) (- (z - n / d))). rewrite Rabs_Ropp in T2. lra. }
+  assert (z_size : (1 - 501 / 100 * u) * q <= Rabs z <= (1 + 501 / 100 * u) * q).
+  { assert (T2 := Rabs_triang_inv (n / d) (n / d - z)). replace (n / d - (n / d - z)) with z in T2 by ring.
+    assert (T3 := Rabs_triang (z - n / d) (n / d)). replace (z - n / d + n / d) with z in T3 by ring.
+    rewrite (Rabs_minus_sym (n / d)) in T2. fold q in T2, T3. lra. }
+  (* The error. *)
+  apply near in Ce. cbn -[u32 alpha Q2R] in Ce. fold z a b in Ce.
+  assert (F := alpha_below 4 ltac:(lia)). simpl INR in F.
+  replace (Q2R least_both) with (133335 / 100000) in c_in by (unfold Q2R, least_both; simpl; lra).
+  replace (Q2R least_rest) with (69 / 10 * u) in r_in by (unfold Q2R, least_rest; simpl; lra).
+  rewrite (Rabs_pos_eq (Q2R c)), (Rabs_pos_eq (Q2R r)), (Rabs_pos_eq a), (Rabs_pos_eq b) in Ce by lra.
+  set (Y := Q2R r + Q2R c * (a + b)) in *.
+  assert (ca : 0 <= Q2R c * (a + b)) by (apply Rmult_le_pos; lra).
+  assert (ca1 := Rmult_le_compat (Q2R c) (141 / 100) (a + b) (501 / 1000) ltac:(lra) ltac:(lra) ltac:(lra) ltac:(lra)).
+  assert (ca2 := Rmult_le_compat_r (a + b) (133335 / 100000) (Q2R c) ltac:(lra) ltac:(lra)).
+  assert (Y_in : 69 / 10 * u + 133334 / 100000 * (A + B) <= Y <= 71 / 100) by (unfold Y; lra).
+  assert (z0 := Rabs_pos z). assert (zY0 : 0 <= Rabs z * Y) by (apply Rmult_le_pos; lra).
+  assert (E := Rmult_le_compat_r _ _ _ zY0 F). apply between in Ce.
+  assert (zY : (1 - 501 / 100 * u) * q * (69 / 10 * u + 133334 / 100000 * (A + B)) <= Rabs z * Y) by (apply Rmult_le_compat; lra || (apply Rmult_le_pos; lra)).
+  assert (zY1 : Rabs z * Y <= Rabs z * (71 / 100)) by (apply Rmult_le_compat_l; lra).
+  (* The ends. *)
+  destruct (step_sub _ _ _ _ Cl) as (z1 & e1 & C1 & C2 & L). apply given_is in C1, C2. subst z1 e1. fold z e in L.
+  destruct (step_add _ _ _ _ Ck) as (z1 & e1 & C1 & C2 & K). apply given_is in C1, C2. subst z1 e1. fold z e in K.
+  assert (z_b := between _ _ (Rle_refl (Rabs z))).
+  assert (L1 : Rabs (z - e) <= 172 / 100 * Rabs z) by (apply Rabs_le; lra).
+  assert (K1 : Rabs (z + e) <= 172 / 100 * Rabs z) by (apply Rabs_le; lra).
+  apply (at_most _ _ _ L) in L1. apply (at_most _ _ _ K) in K1. apply between in L1, K1, w_off. split; lra.
 Qed.
+End Interval.
 
-Hypotheses (a_is : forall v, computed x greater_2_one v -> v <= x greater_2).
-Hypotheses (f_is : forall v, computed x greater_3_one v -> v <= x greater_4).
-Variables a' f' : R.
-Hypotheses (a_computed : computed x greater_2_one a') (f_computed : computed x greater_3_one f').
-Hypotheses (one : 0 <= x greater_1).
-Theorem bound_is_large b : computed x bound b -> 86 / 10 * u * (a * f * reach') <= b.
-Proof.
-  intros C. apply near in C. assert (A := alpha_below 4 ltac:(lia)). simpl INR in A.
-  assert (Sa := size_near _ _ _ _ _ _ _ a_computed). assert (Sf := size_near _ _ _ _ _ _ _ f_computed).
-  apply a_is in a_computed as Ga. apply f_is in f_computed as Gf. fold a in Sa. fold f in Sf.
-  assert (a0 : 0 <= a) by apply size0. assert (f0 : 0 <= f) by apply size0.
-  assert (P : (1 - 301 / 100 * u) * a * ((1 - 301 / 100 * u) * f) <= x greater_2 * x greater_4) by (apply Rmult_le_compat; lra).
-  assert (Q := Rmult_le_compat_r reach' _ _ reach0 P).
-  unfold bound in C. cbn -[u32 alpha Q2R] in C. fold reach' in C.
-  rewrite !(Rabs_pos_eq (Q2R _)) in C by (unfold Q2R; simpl; lra).
-  rewrite (Rabs_pos_eq reach'), (Rabs_pos_eq (x greater_2)), (Rabs_pos_eq (x greater_4)), (Rabs_pos_eq (x greater_1)) in C by lra.
-  set (T := Q2R (1 # 18446744073709551616) * x greater_1) in *.
-  assert (T0 : 0 <= T) by (unfold T; apply Rmult_le_pos; [unfold Q2R; simpl |]; lra).
-  replace (Q2R (9147937 # 17592186044416)) with (9147937 / 17592186044416) in C by (unfold Q2R; simpl; lra).
-  assert (W0 : 0 <= a * f * reach') by (repeat apply Rmult_le_pos; lra).
-  set (W := x greater_2 * x greater_4 * reach') in *.
-  assert (S0 : 0 <= T + 9147937 / 17592186044416 * W) by lra.
-  assert (E := Rmult_le_compat_r _ _ _ S0 A). unfold W in E at 1. apply between in C. unfold W in *. lra.
-Qed.
-
-(* ---- Edges ---- *)
-Let N_x := Rabs (x A_y - x P_y) * Rabs (x B_z - x A_z) + Rabs (x A_z - x P_z) * Rabs (x B_y - x A_y).
-Let N_y := Rabs (x A_z - x P_z) * Rabs (x B_x - x A_x) + Rabs (x A_x - x P_x) * Rabs (x B_z - x A_z).
-Let N_z := Rabs (x A_x - x P_x) * Rabs (x B_y - x A_y) + Rabs (x A_y - x P_y) * Rabs (x B_x - x A_x).
-Lemma N_below r l m n : 0 <= r -> l <= r -> m <= r -> n <= r -> N_x * l + (N_y * m + N_z * n) <= a * f * r.
-Proof.
-  intros. assert (Z : forall i j k l, 0 <= Rabs (x i - x j) * Rabs (x k - x l)) by (intros; apply Rmult_le_pos; apply Rabs_pos).
-  eapply Rle_trans; [apply dot_below with (r := r); auto; apply Rplus_le_le_0_compat; apply Z |].
-  apply Rmult_le_compat_r; [assumption |]. apply cross_total; apply Rabs_pos.
-Qed.
-
-Let one_light r := Rabs (x S_x - x P_x) <= r /\ Rabs (x S_y - x P_y) <= r /\ Rabs (x S_z - x P_z) <= r.
-Let of_box i l m n j := Rabs (x i - x j) + (Rabs (x l) + (Rabs (x m) + Rabs (x n))).
-Let box r := of_box box_1_0 box_0_0_0 box_2_0 box_3_0 P_x <= r /\ of_box box_1_1 box_0_0_1 box_2_1 box_3_1 P_y <= r /\
-  of_box box_1_2 box_0_0_2 box_2_2 box_3_2 P_z <= r.
-
-Theorem edge_near v b : one_light ((1 + 6 * u) * reach') -> computed x edge v -> computed x bound b ->
-  Rabs (v - real x edge) <= b.
-Proof.
-  intros (L1 & L2 & L3) C Cb. apply bound_is_large in Cb. apply near in C. eapply Rle_trans; [exact C | clear C].
-  assert (A := alpha_below 8 ltac:(lia)). simpl INR in A.
-  assert (G := N_below ((1 + 6 * u) * reach') _ _ _ ltac:(lra) L1 L2 L3). change (roundings edge) with 8%nat.
-  assert (P : permanent x edge <= a * f * ((1 + 6 * u) * reach')) by (unfold N_x, N_y, N_z in G; cbn; lra).
-  assert (E := Rmult_le_compat _ _ _ _ (alpha_at_least 8) (permanent_positive x edge) A P).
-  assert (W0 : 0 <= a * f * reach') by (repeat apply Rmult_le_pos; auto; apply size0). lra.
-Qed.
-
-(* From this factor on. *)
-Definition least_times : Q := 349 # 100.
-Theorem edge_of_box_near v b : box (3 * reach') -> computed x edge_of_box v -> computed x bound b ->
-  Rabs (v - real x edge_of_box) <= Q2R least_times * b.
-Proof.
-  intros (L1 & L2 & L3) C Cb. apply bound_is_large in Cb. apply near in C. eapply Rle_trans; [exact C | clear C].
-  assert (A := alpha_below 10 ltac:(lia)). simpl INR in A.
-  replace (Q2R least_times) with (349 / 100) by (unfold Q2R, least_times; simpl; lra).
-  assert (G := N_below (3 * reach') _ _ _ ltac:(lra) L1 L2 L3). change (roundings edge_of_box) with 10%nat.
-  assert (P : permanent x edge_of_box <= a * f * (3 * reach')) by (unfold N_x, N_y, N_z, of_box in G; cbn; lra).
-  assert (E := Rmult_le_compat _ _ _ _ (alpha_at_least 10) (permanent_positive x edge_of_box) A P).
-  assert (W0 : 0 <= a * f * reach') by (repeat apply Rmult_le_pos; auto; apply size0). lra.
-Qed.
-
-(* ---- The plane ---- *)
-Let M_x := Rabs (x A_y - x C_y) * Rabs (x B_z - x A_z) + Rabs (x A_z - x C_z) * Rabs (x B_y - x A_y).
-Let M_y := Rabs (x A_z - x C_z) * Rabs (x B_x - x A_x) + Rabs (x A_x - x C_x) * Rabs (x B_z - x A_z).
-Let M_z := Rabs (x A_x - x C_x) * Rabs (x B_y - x A_y) + Rabs (x A_y - x C_y) * Rabs (x B_x - x A_x).
-Lemma M0 : 0 <= M_x /\ 0 <= M_y /\ 0 <= M_z.
-Proof. repeat split; apply Rplus_le_le_0_compat; apply Rmult_le_pos; apply Rabs_pos. Qed.
-(* The greatest of the normal's sizes, of which greater_6 is the computed one: 4 roundings. *)
-Variable n : R.
-Hypotheses (M_x_in : M_x <= n) (M_y_in : M_y <= n) (M_z_in : M_z <= n).
-Hypotheses (n_is : (1 - 401 / 100 * u) * n <= x greater_6).
-Let q := x quotient_1.
-Hypothesis q0 : 0 <= q.
-(* What PLANE_BOUNDS BEAM_BOUND is multiplied with, times the scale. *)
-Let X := q * (n * (a + 3 * reach')).
-Lemma n0 : 0 <= n.
-Proof. destruct M0. lra. Qed.
-Lemma X0 : 0 <= X.
-Proof. unfold X. assert (A := size0 A_x P_x A_y P_y A_z P_z). fold a in A. repeat apply Rmult_le_pos; auto using n0; lra. Qed.
-
-Theorem scale_is_small b w : computed x quotient_1_under w -> q * w <= (1 + 6 * u) * b -> 0 < w ->
-  130 / 10 * u * X <= b.
-Proof.
-  intros C Q w0. assert (Sa : size A_x P_x A_y P_y A_z P_z = a) by reflexivity.
-  apply near in C. assert (A := alpha_below 8 ltac:(lia)). simpl INR in A. assert (A8 := alpha_at_least 8).
-  unfold quotient_1_under, greater_2_one in C. cbn -[u32 alpha Q2R] in C. fold reach' in C.
-  rewrite !(Rabs_pos_eq (Q2R _)) in C by (unfold Q2R; simpl; lra).
-  rewrite (Rabs_pos_eq reach') in C by lra. assert (a0 : 0 <= a) by apply size0. assert (n0 := n0).
-  assert (g0 : 0 <= x greater_6) by lra. rewrite (Rabs_pos_eq (x greater_6)) in C by lra.
-  replace (Rabs (x A_z - x P_z) + (Rabs (x A_x - x P_x) + Rabs (x A_y - x P_y))) with a in C by (unfold a, size; ring).
-  replace (Q2R (3 # 2)) with (3 / 2) in C by (unfold Q2R; simpl; lra). replace (Q2R (3 # 1)) with 3 in C by (unfold Q2R; simpl; lra).
-  replace (Q2R (9147937 # 17592186044416)) with (9147937 / 17592186044416) in C by (unfold Q2R; simpl; lra).
-  set (T := Q2R (1 # 18446744073709551616)) in *. assert (T0 : 0 <= T) by (unfold T, Q2R; simpl; lra).
-  set (Y := (a + 3 * reach') * x greater_6). assert (Y0 : 0 <= Y) by (apply Rmult_le_pos; lra).
-  assert (Y1 : (1 - 401 / 100 * u) * (n * (a + 3 * reach')) <= Y).
-  { unfold Y. assert (G := Rmult_le_compat_r (a + 3 * reach') _ _ ltac:(lra) n_is). lra. }
-  replace (3 / 2 * (a + 3 * reach') * (9147937 / 17592186044416 * x greater_6)) with (3 / 2 * (9147937 / 17592186044416) * Y) in C
-    by (unfold Y; ring).
-  assert (E := Rmult_le_compat_r (T + 3 / 2 * (9147937 / 17592186044416) * Y) _ _ ltac:(lra) A).
-  apply between in C. assert (W : (1 - 81 / 10 * u) * (3 / 2 * (9147937 / 17592186044416) * Y) <= w) by lra.
-  assert (G := Rmult_le_compat_l q _ _ q0 W). assert (H := Rmult_le_compat_l q _ _ q0 Y1). unfold X.
-  assert (Z := X0). unfold X in Z. lra.
-Qed.
-
-Lemma M_below l m o : 0 <= l -> 0 <= m -> 0 <= o -> l * M_x + (m * M_y + o * M_z) <= n * (l + m + o).
-Proof.
-  intros. assert (l * M_x <= l * n) by (apply Rmult_le_compat_l; lra). assert (m * M_y <= m * n) by (apply Rmult_le_compat_l; lra).
-  assert (o * M_z <= o * n) by (apply Rmult_le_compat_l; lra). lra.
-Qed.
-
-Theorem plane_near v b w : one_light ((1 + 6 * u) * reach') -> computed x quotient_1_under w -> q * w <= (1 + 6 * u) * b -> 0 < w ->
-  computed x plane v -> Rabs (v - real x plane) <= b.
-Proof.
-  intros (L1 & L2 & L3) Cw Hq w0 C. assert (B := scale_is_small _ _ Cw Hq w0). apply near in C.
-  eapply Rle_trans; [exact C | clear C]. assert (A := alpha_below 10 ltac:(lia)). simpl INR in A.
-  change (roundings plane) with 10%nat.
-  assert (G := M_below _ _ _ (Rabs_pos (x S_x - x P_x)) (Rabs_pos (x S_y - x P_y)) (Rabs_pos (x S_z - x P_z))).
-  assert (H := M_below _ _ _ (Rabs_pos (x A_x - x P_x)) (Rabs_pos (x A_y - x P_y)) (Rabs_pos (x A_z - x P_z))).
-  fold (size A_x P_x A_y P_y A_z P_z) in H. fold a in H. assert (n0 := n0).
-  assert (D : n * (Rabs (x S_x - x P_x) + Rabs (x S_y - x P_y) + Rabs (x S_z - x P_z)) <= n * (3 * ((1 + 6 * u) * reach'))).
-  { apply Rmult_le_compat_l; lra. }
-  assert (a0 : 0 <= a) by apply size0. assert (na : 0 <= n * a) by (apply Rmult_le_pos; lra).
-  assert (P : permanent x plane <= (1 + 6 * u) * X).
-  { unfold plane; cbn; fold q; rewrite (Rabs_pos_eq q) by assumption.
-    set (D_x := Rabs (x S_x - x P_x)) in *. set (D_y := Rabs (x S_y - x P_y)) in *. set (D_z := Rabs (x S_z - x P_z)) in *.
-    set (a_x := Rabs (x A_x - x P_x)) in *. set (a_y := Rabs (x A_y - x P_y)) in *. set (a_z := Rabs (x A_z - x P_z)) in *.
-    assert (Q := Rmult_le_compat_l q _ _ q0 (Rplus_le_compat _ _ _ _ (Rle_trans _ _ _ G D) H)).
-    assert (qna := Rmult_le_pos _ _ q0 na). unfold X, M_x, M_y, M_z in *. lra. }
-  assert (E := Rmult_le_compat _ _ _ _ (alpha_at_least 10) (permanent_positive x plane) A P). assert (Z := X0). lra.
-Qed.
-
-Theorem plane_of_box_near v b w : box (3 * reach') -> computed x quotient_1_under w -> q * w <= (1 + 6 * u) * b -> 0 < w ->
-  computed x plane_of_box v -> Rabs (v - real x plane_of_box) <= Q2R least_times * b.
-Proof.
-  intros (L1 & L2 & L3) Cw Hq w0 C. assert (B := scale_is_small _ _ Cw Hq w0). apply near in C.
-  eapply Rle_trans; [exact C | clear C]. assert (A := alpha_below 11 ltac:(lia)). simpl INR in A.
-  replace (Q2R least_times) with (349 / 100) by (unfold Q2R, least_times; simpl; lra).
-  change (roundings plane_of_box) with 11%nat. unfold of_box in L1, L2, L3.
-  assert (G := fun i j k => M_below _ _ _ (Rabs_pos (x i)) (Rabs_pos (x j)) (Rabs_pos (x k))).
-  assert (G0 := M_below _ _ _ (Rabs_pos (x box_1_0 - x P_x)) (Rabs_pos (x box_1_1 - x P_y)) (Rabs_pos (x box_1_2 - x P_z))).
-  assert (G1 := G box_0_0_0 box_0_0_1 box_0_0_2). assert (G2 := G box_2_0 box_2_1 box_2_2).
-  assert (G3 := G box_3_0 box_3_1 box_3_2). clear G.
-  assert (H := M_below _ _ _ (Rabs_pos (x A_x - x P_x)) (Rabs_pos (x A_y - x P_y)) (Rabs_pos (x A_z - x P_z))).
-  fold (size A_x P_x A_y P_y A_z P_z) in H. fold a in H. assert (n0 := n0).
-  assert (D : n * (Rabs (x box_1_0 - x P_x) + Rabs (x box_1_1 - x P_y) + Rabs (x box_1_2 - x P_z) +
-    (Rabs (x box_0_0_0) + Rabs (x box_0_0_1) + Rabs (x box_0_0_2)) + (Rabs (x box_2_0) + Rabs (x box_2_1) + Rabs (x box_2_2)) +
-    (Rabs (x box_3_0) + Rabs (x box_3_1) + Rabs (x box_3_2))) <= n * (3 * (3 * reach'))).
-  { apply Rmult_le_compat_l; lra. }
-  assert (a0 : 0 <= a) by apply size0. assert (na : 0 <= n * a) by (apply Rmult_le_pos; lra).
-  assert (P : permanent x plane_of_box <= 3 * X).
-  { unfold plane_of_box; cbn; fold q; rewrite (Rabs_pos_eq q) by assumption.
-    repeat match goal with |- context [Rabs (x ?i - x ?j)] => set (Rabs (x i - x j)) in * end.
-    repeat match goal with |- context [Rabs (x ?i)] => set (Rabs (x i)) in * end.
-    assert (S : forall l m, l <= m -> q * l <= q * m) by (intros; apply Rmult_le_compat_l; auto).
-    assert (S0 := S _ _ G0). assert (S1 := S _ _ G1). assert (S2 := S _ _ G2). assert (S3 := S _ _ G3).
-    assert (SH := S _ _ H). assert (SD := S _ _ D). assert (qna := Rmult_le_pos _ _ q0 na).
-    unfold X, M_x, M_y, M_z in *. lra. }
-  assert (E := Rmult_le_compat _ _ _ _ (alpha_at_least 11) (permanent_positive x plane_of_box) A P). assert (Z := X0). lra.
-Qed.
-End Lights.
-
-Definition least_plane : Q := 1001 # 1677721600.
-Lemma kernels_are_enough : (
-  bound_of_box_constant * (1 - u32Q) >= least_times /\ fst of_plane * snd of_plane * (1 - alphaQ u32Q 16) >= least_plane /\
-  of_edge = snd of_plane)%Q.
+Lemma kernels_are_enough : (least_both <= of_both /\ of_both <= 141 # 100 /\ least_rest <= of_rest /\ of_rest <= 100 * u32Q)%Q.
 Proof. vm_compute. repeat split; discriminate. Qed.
-Definition constants := Eval vm_compute in shown least_plane (Qred (fst of_plane * snd of_plane)).
+Definition constants := Eval vm_compute in shown least_rest of_rest.
 Print constants.
-Definition rests := Eval vm_compute in shown least_times bound_of_box_constant.
+Definition rests := Eval vm_compute in shown (Qred of_good) (1 # 1073741824).
 Print rests.
-Definition checked := (bound_is_large, edge_near, edge_of_box_near, scale_is_small, plane_near, plane_of_box_near, kernels_are_enough).
+Definition checked := (good_is_enough, wide_is_near, nearness_is_near, interval_contains_it, kernels_are_enough).
 Print Assumptions checked.
