@@ -17,6 +17,7 @@ usage: expressions.py FILE...           fails if a proof's part is not what the 
 GNOMON_KERNELS_DIR names another folder of kernels, as for the programs.
 """
 import difflib
+import functools
 import os
 import re
 import shutil
@@ -121,7 +122,7 @@ class Probe:
         match = re.search(r"define [^@]*@(probe)\((.*)\) [^()\n]*\{\n((?:[^}].*\n|\n)*)\}", llvm)
         if not match:
             fail("the probe has no kernel")
-        self.values, self.outputs, self.inputs = {}, {}, []
+        self.values, self.outputs, self.inputs, self.copies = {}, {}, [], {}
         for parameter in split_operands(match.group(2)):
             kind, name = re.match(rf"({TYPE})", parameter).group(1), parameter.split("%")[-1]
             if kind.endswith("*"):
@@ -160,11 +161,19 @@ class Probe:
         return node(operation, *operands)
 
     def input(self, name):
+        first, _, path = name.partition("_")
+        name = "_".join([self.copies[first], path]) if first in self.copies else name
         if name not in self.inputs:
             self.inputs.append(name)
         return ("in", name)
 
     def execute(self, line):
+        if "@llvm.lifetime" in line:
+            return
+        if "@llvm.memcpy" in line:  # a local copy of an input
+            to, of = (self.value(o.split()[-1]) for o in split_operands(line[line.index("(") + 1:-1])[:2])
+            self.copies[to[1]] = of[1]
+            return
         if line.startswith("store "):
             what, where = split_operands(line[len("store "):])
             pointer = self.typed(where)
@@ -206,6 +215,8 @@ class Probe:
             return self.each(name, self.typed(a), self.typed(kind + b))
         if name == "xor" and rest.startswith("i1 ") and rest.endswith(", true"):
             return negated(self.typed(rest.rsplit(",", 1)[0]))
+        if name == "alloca":
+            return ("pointer", line.split(" = ")[0].strip("%"), ())
         if name == "call":
             called, operands = re.search(r"@(\w[\w.]*)\((.*)\)", rest).groups()
             mangled = re.match(r"_Z(\d+)(\w+)", called)
@@ -213,6 +224,13 @@ class Probe:
             if builtin == "vload3":
                 _, name, path = self.typed(split_operands(operands)[1])
                 return [self.input("_".join(map(str, (name, *path[:-1], path[-1] + i)))) for i in range(3)]
+            if builtin == "select":
+                no, yes, condition = (self.typed(o) for o in split_operands(operands))
+                return [selection(*of) for of in zip(condition, yes, no)]
+            if builtin == "dot":  # any order of its sums has as few roundings
+                a, b = (self.typed(o) for o in split_operands(operands))
+                products = [node("mul", *of) for of in zip(a, b)]
+                return functools.reduce(lambda sum_so_far, one: node("add", sum_so_far, one), products)
             if builtin not in BUILTINS:
                 fail(f"unknown function: {line}")
             return self.each(BUILTINS[builtin], *(self.typed(o) for o in split_operands(operands)))
@@ -231,7 +249,7 @@ class Probe:
                 return [both[0]] * int(re.match(r"<(\d+)", mask).group(1))
             picks = re.findall(r"i32 (\w+)", mask.split(">", 1)[1])
             return [both[int(i)] if i.isdigit() else ("undef",) for i in picks]
-        if name in ("fpext", "uitofp", "sitofp", "bitcast"):  # exact (of integers: below 2^24)
+        if name in ("fpext", "uitofp", "sitofp", "bitcast", "sext"):  # exact (of integers: below 2^24)
             return self.typed(rest.rsplit(" to ", 1)[0])
         if name == "getelementptr":
             parts = split_operands(rest)
