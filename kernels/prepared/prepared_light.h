@@ -55,7 +55,8 @@ static __global const PreparedDomain* prepared_domains_of(PreparedTables tables,
 #define PREPARED_PADDING (32.0f * GN_U)
 #define PREPARED_UNDERFLOW 0x1p-120f
 
-// By how much the grid coordinates of triangles up to `largest`, and of points, are moved (tests/proofs/prepared_boxes.v).
+// By how much the grid coordinates of triangles up to `largest`, and of points, are moved
+// (tests/proofs/prepared_boxes.v).
 static float prepared_padding(float largest) { return PREPARED_PADDING * largest + PREPARED_UNDERFLOW; }
 static LaneFloat prepared_margin(PointBlock points) {
     return (fabs(points.x) + fabs(points.y) + fabs(points.z)) * PREPARED_PADDING + PREPARED_UNDERFLOW;

@@ -72,9 +72,9 @@ static int det_sign(Arrow u, Arrow v, Arrow w) {
     return det3_sign(u.end, u.start, v.end, v.start, w.end, w.start, &level);
 }
 
-// det(u, v, a) + det(u, v, b) from u x v, and what it must exceed to be certain. Each determinant's bound is larger than
-// its error (det3.clh). The rounding of their sum changes no sign, and it changes the size by less than the factor 1.01,
-// as do the roundings of the bounds' sum (tests/proofs/two_determinants.v).
+// det(u, v, a) + det(u, v, b) from u x v, and what it must exceed to be certain. Each determinant's bound is larger
+// than its error (det3.clh). The rounding of their sum changes no sign, and it changes the size by less than the
+// factor 1.01, as do the roundings of the bounds' sum (tests/proofs/two_determinants.v).
 static float det3_float_of_two(Det3FloatCross cross_uv, float3 a, float3 b, float* bound) {
     float bound_a, bound_b;
     float value = det3_float(cross_uv, a, fabs(a), &bound_a) + det3_float(cross_uv, b, fabs(b), &bound_b);

@@ -1,5 +1,5 @@
 (* SPDX-License-Identifier: MIT *)
-(* loose: BEAM_ROUNDING also serves the extents of leaves along a light's axes, which need 2.3e-6 of it: prose *)
+(* loose: BEAM_ROUNDING also serves the extents of leaves along a light's axes, which need 3.2e-6 of it (leaf_extents.v) *)
 (* beam_intersect.clh, parallel_packets.clh, converging_packets.clh: rays against the tree's boxes. A ray is never computed
    to enter a box later, or to leave it earlier, than it does; so no node that it meets is left out.
      enter_is_early, leave_is_late      parallel rays, t = (side - P) / D;

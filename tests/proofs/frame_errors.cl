@@ -17,8 +17,8 @@ __kernel void probe(float3 point, float3 center, __constant const float* row, __
     frame.sign_z = 1.0f;
     frame.shear_x = shear.x, frame.shear_y = shear.y;
     frame.width = frame.height = width;
-    FittedBounds bounds = {{raw_low.x, raw_low.y, low.x, low.y, low.z},
-                           {raw_high.x, raw_high.y, high.x, high.y, high.z}, 1u};
+    FittedBounds bounds = {
+        {raw_low.x, raw_low.y, low.x, low.y, low.z}, {raw_high.x, raw_high.y, high.x, high.y, high.z}, 1u};
     Projection projection;
     fit_parallel(frame, bounds, &projection);
     *point_error = projection.point_error, *height_error = projection.height_error;

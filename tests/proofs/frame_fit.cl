@@ -13,8 +13,8 @@ __kernel void probe(float3 low, float3 high, float2 raw_low, float2 raw_high, fl
     frame.sign_z = 1.0f;
     frame.shear_x = shear.x, frame.shear_y = shear.y;
     frame.width = frame.height = width;
-    FittedBounds bounds = {{raw_low.x, raw_low.y, low.x, low.y, low.z},
-                           {raw_high.x, raw_high.y, high.x, high.y, high.z}, 1u};
+    FittedBounds bounds = {
+        {raw_low.x, raw_low.y, low.x, low.y, low.z}, {raw_high.x, raw_high.y, high.x, high.y, high.z}, 1u};
     Projection projection;
     fit_parallel(frame, bounds, &projection);
     *scale = projection.row_x[0], *row_z = projection.row_x[2], *offset = projection.row_x[3];

@@ -3,11 +3,11 @@
 #define BVH_WIDTH 16
 #include "packets/ray_packets.clh"
 
-// The greatest coordinate of a leaf's triangle along an axis of the light, and the least of a box of points, as they are
-// compared.
+// The greatest coordinate of a leaf's triangle along an axis of the light, and the least of a box of points, as they
+// are compared.
 __kernel void probe(float3 A, float3 B, float3 C, float3 O, __global const LightAxes* axes, float3 low, float3 high,
-                    float rounding, __global float* corner, __global float* triangle_high,
-                    __global float* box_low, __global float* factor) {
+                    float rounding, __global float* corner, __global float* triangle_high, __global float* box_low,
+                    __global float* factor) {
     TurnedLeaf t;
     LightAxes same = *axes;
     turn_corners(&t, same_in_lanes(A), same_in_lanes(B), same_in_lanes(C), O, &same);

@@ -167,7 +167,9 @@ Proof.
 Qed.
 End Axis.
 Definition kernels_factor : Q := match factor with Const c => c | _ => 0%Q end.
+Lemma kernel_is_enough : (least_factor <= kernels_factor)%Q.
+Proof. vm_compute. discriminate. Qed.
 Definition constants := Eval vm_compute in shown least_factor kernels_factor.
 Print constants.
-Definition checked := (corner_near, triangle_near, box_near, outside_is_outside).
+Definition checked := (corner_near, triangle_near, box_near, outside_is_outside, kernel_is_enough).
 Print Assumptions checked.

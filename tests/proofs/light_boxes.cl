@@ -3,8 +3,8 @@
 #define BVH_WIDTH 16
 #include "beams/beam_intersect.clh"
 
-// A triangle's edge and plane under a point light at S, their least values under the lights of a box, and the bound that
-// both are compared with.
+// A triangle's edge and plane under a point light at S, their least values under the lights of a box, and the bound
+// that both are compared with.
 __kernel void probe(float3 A, float3 B, float3 C, float3 P, float3 S, __global const LightCone* box, float reach,
                     __global float* bound, __global float* edge, __global float* edge_of_box, __global float* plane,
                     __global float* plane_of_box, __global float* bound_of_box) {

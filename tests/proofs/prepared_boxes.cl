@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "prepared/prepared_light.h"
 
-// A point's raw coordinates in a frame of a direction and in one of a point light, by how much the first is moved towards
-// the triangles, and where the greatest raw coordinate of triangles is moved to, whose coordinates are up to `largest`.
+// A point's raw coordinates in a frame of a direction and in one of a point light, by how much the first is moved
+// towards the triangles, and where the greatest raw coordinate of triangles is moved to, whose coordinates are up to
+// `largest`.
 __kernel void probe(float3 point, float2 shear, float3 light, float high, float largest, __global float* raw,
                     __global float* moved, __global float* lit_high, __global float* ratio) {
     LightFrame frame = {{0.0f}};

@@ -1,5 +1,5 @@
 (* SPDX-License-Identifier: MIT *)
-(* loose: BEAM_ROUNDING also serves the extents of leaves along a light's axes, which need 2.3e-6 of it: prose *)
+(* loose: BEAM_ROUNDING also serves the extents of leaves along a light's axes, which need 3.2e-6 of it (leaf_extents.v) *)
 (* beam_sides.clh: the planes of a beam against the tree's boxes and triangles. What lies on the rays' side of a plane is
    never computed beyond the plane's limit, so that no node and no triangle that a ray meets is left out.
 
