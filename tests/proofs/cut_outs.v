@@ -5,8 +5,8 @@
    Assumed: the e are off by at most `bounds` together (det3_double.v, det3_float.v), the real ones have one sign and their
    sum is not 0 (the ray meets the triangle); no corner's coordinate exceeds greater_2, the largest; a quotient is off by
    2.5 ulp, as in float; no result is below 2^-1022 unless it is 0 (2^-50 covers underflow: prose). In prose: what the texels
-   and the bilinear mean do with a coordinate that is off by so much; the corners' alpha, a quotient like this one; the
-   filter of many hits at once, in float. Overflow: coordinates are at most 2^30 texels, e at most 2^390. *)
+   and the bilinear mean do with a coordinate that is off by so much (cut_out_means.v); the corners' alpha is a quotient
+   like this one; many hits at once: cut_out_lanes.v. Overflow: coordinates are at most 2^30 texels, e at most 2^390. *)
 From Coq Require Import Reals QArith Qreals Lra Psatz.
 From Flocq Require Import Core.
 Require Import Roundings Devices Filters.

@@ -64,6 +64,8 @@ noticed horizons/horizons.cl 's/SLOPE_BELOW (1\.0f - 0x1\.8p-21f)/SLOPE_BELOW (1
 refused pyramid_slopes
 noticed beams/beam.h 's/BEAM_ROUNDING 4e-6f/BEAM_ROUNDING 3.1e-6f/' leaf_extents.v
 refused leaf_extents
+noticed packets/parallel_packets.clh 's/PACKET_BOUND_OF_HEIGHT 8\.0f/PACKET_BOUND_OF_HEIGHT 4.4f/' packet_heights.v
+refused packet_heights
 # A bound that lacks one of its two; a plane's factor; a mean's; terms of the camera's rays and of its intervals.
 noticed receivers/backfacing.cl 's/1\.01f \* (bound_a + bound_b)/1.01f * bound_a/' two_determinants.v
 refused two_determinants
