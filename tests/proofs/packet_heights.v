@@ -2,7 +2,8 @@
 (* parallel_packets.clh: h of a triangle that a ray's line meets, the sum of e_k (height of corner k - height of P), against
    PACKET_BOUND_OF_HEIGHT m (S + |P_w|), m = u (S + q) (77 S + 10.4 R) of packets.v (docs/numerics.md, 16).
      rounding_near   h from the computed coordinates: u S^2 (48.2 q + 64.4 |P_w| + 48.5 S);
-     height_near     with the errors of the e and of the heights.
+     height_near     with the errors of the e and of the heights;
+     corner_is_behind   a corner that is computed to be below P by PACKET_BOUND_OF_CORNER (S + R) is below it.
 
    Assumed: computed coordinates of corners are at most 1.001 S in size, and their heights off by 4.02 u S, P's by 4.02 u R;
    each e is off by the error in packets.v, 18.2 u (S + q) S + 9.9 u (S + q) R; the line meets the triangle, so that the real
@@ -36,6 +37,8 @@ Definition height :=
     c_z 0)))))).
 Definition factor :=
   Const (8 # 1).
+Definition of_corner :=
+  Const (8796093 # 17592186044416).
 (* end: from the kernels *)
 
 Open Scope R_scope.
@@ -150,10 +153,25 @@ Proof.
 Qed.
 End Height.
 
+(* g and w are computed heights, r what w is lowered by, with 5 roundings, and t the difference. *)
+Definition least_corner : Q := 52 # 167772160.
+Theorem corner_is_behind c S R' g G w W r t : 0 <= S -> 0 <= R' -> Rabs (g - G) <= 402 / 100 * u * S -> Rabs (w - W) <= 402 / 100 * u * R' ->
+  Rabs w <= 1001 / 1000 * R' -> Q2R least_corner <= Q2R c <= 100 * u -> Rabs (r - Q2R c * (S + R')) <= 6 * u * (Q2R c * (S + R')) ->
+  Rabs (t - (w - r)) <= u * Rabs (w - r) -> g < t -> G < W \/ S = 0 /\ R' = 0.
+Proof.
+  intros S0 R0 Hg Hw w_in Hc Hr Ht H. replace (Q2R least_corner) with (52 / 10 * u) in Hc by (unfold Q2R, least_corner; simpl; lra).
+  assert (B := Rmult_le_compat_r (S + R') _ _ ltac:(lra) (proj1 Hc)). assert (B' := Rmult_le_compat_r (S + R') _ _ ltac:(lra) (proj2 Hc)).
+  apply between in Hg, Hw, w_in, Hr. assert (D : Rabs (w - r) <= 1002 / 1000 * (S + R')) by (apply Rabs_le; lra).
+  apply (at_most _ _ _ Ht) in D. apply between in D. destruct (Rle_dec (S + R') 0); [right | left]; lra.
+Qed.
+
+Definition kernels_corner : Q := match of_corner with Const c => c | _ => 0%Q end.
 Definition kernels_factor : Q := match factor with Const c => c | _ => 0%Q end.
-Lemma kernel_is_enough : (least_factor <= kernels_factor * (1 - alphaQ u32Q 8))%Q.
-Proof. vm_compute. discriminate. Qed.
+Lemma kernel_is_enough : (least_factor <= kernels_factor * (1 - alphaQ u32Q 8) /\ least_corner <= kernels_corner)%Q.
+Proof. vm_compute. split; discriminate. Qed.
 Definition constants := Eval vm_compute in shown least_factor kernels_factor.
 Print constants.
-Definition checked := (rounding_near, height_near, kernel_is_enough).
+Definition rests := Eval vm_compute in shown least_corner kernels_corner.
+Print rests.
+Definition checked := (rounding_near, height_near, corner_is_behind, kernel_is_enough).
 Print Assumptions checked.

@@ -9,7 +9,7 @@
    Assumed: (u, v), the float vectors, are perpendicular and of unit length to 10^-4, so that u_i^2 + v_i^2 <= k^2 and no
    vector gets longer than k times its size, computed ones and differences of a computed and a real one included; no result
    is below 2^-126 unless it is 0 (2^-64 covers underflow: prose). In prose (parallel_packets.clh): that u and v are not
-   exactly perpendicular to D moves e by 1.75 u (S + R) (S + q); a wrong sign of the area; a corner's height above P, 6.5e-7 (R + S), of which 5 u are needed: loose. (h, the height over the triangle: packet_heights.v.)
+   exactly perpendicular to D moves e by 1.75 u (S + R) (S + q); a wrong sign of the area. Heights: packet_heights.v.
    Overflow: coordinates are at most 2^19. *)
 From Coq Require Import Reals QArith Qreals Lra Psatz.
 From Flocq Require Import Core.
