@@ -66,6 +66,8 @@ noticed beams/beam.h 's/BEAM_ROUNDING 4e-6f/BEAM_ROUNDING 3.1e-6f/' leaf_extents
 refused leaf_extents
 noticed packets/parallel_packets.clh 's/PACKET_BOUND_OF_HEIGHT 8\.0f/PACKET_BOUND_OF_HEIGHT 4.4f/' packet_heights.v
 refused packet_heights
+noticed receivers/footprint.h 's/(64\.0f \* GN_U) \* sizes/(26.0f * GN_U) * sizes/' footprints.v
+refused footprints
 # A bound that lacks one of its two; a plane's factor; a mean's; terms of the camera's rays and of its intervals.
 noticed receivers/backfacing.cl 's/1\.01f \* (bound_a + bound_b)/1.01f * bound_a/' two_determinants.v
 refused two_determinants
