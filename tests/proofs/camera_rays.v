@@ -125,10 +125,12 @@ Section Determinant.
 Variable x : nat -> R.
 Variables W_x W_y W_z : R.
 Let near_size w s W := Rabs (x w - W) <= u * more * x s /\ Rabs (x w) <= x s.
-Hypotheses (w_x_near : near_size w_x size_w_x W_x) (w_y_near : near_size w_y size_w_y W_y) (w_z_near : near_size w_z size_w_z W_z).
+Hypotheses (w_x_near : near_size w_x size_w_x W_x) (w_y_near : near_size w_y size_w_y W_y) (w_z_near : near_size w_z
+  size_w_z W_z).
 Let minor i j k l m n o p := (x i - x j) * (x k - x l) - (x m - x n) * (x o - x p).
 Let sizes i j k l m n o p := Rabs (x i - x j) * Rabs (x k - x l) + Rabs (x m - x n) * Rabs (x o - x p).
-Definition real_det := W_x * minor u1_y u0_y v1_z v0_z u1_z u0_z v1_y v0_y + W_y * minor u1_z u0_z v1_x v0_x u1_x u0_x v1_z v0_z +
+Definition real_det := W_x * minor u1_y u0_y v1_z v0_z u1_z u0_z v1_y v0_y + W_y * minor u1_z u0_z v1_x v0_x u1_x u0_x
+  v1_z v0_z +
   W_z * minor u1_x u0_x v1_y v0_y u1_y u0_y v1_x v0_x.
 Lemma sizes0 i j k l m n o p : 0 <= sizes i j k l m n o p.
 Proof. apply Rplus_le_le_0_compat; apply Rmult_le_pos; apply Rabs_pos. Qed.
@@ -152,16 +154,19 @@ Proof.
   assert (s0 : 0 <= x size_w_x /\ 0 <= x size_w_y /\ 0 <= x size_w_z).
   { repeat split; eapply Rle_trans; try apply Rabs_pos; [apply w_x_near | apply w_y_near | apply w_z_near]. }
   destruct s0 as (x0 & y0 & z0). cbn -[u32 alpha] in C, Cs.
-  rewrite !(Rabs_pos_eq (x size_w_x)), !(Rabs_pos_eq (x size_w_y)), !(Rabs_pos_eq (x size_w_z)), !Rabs_mult in Cs by assumption.
+  rewrite !(Rabs_pos_eq (x size_w_x)), !(Rabs_pos_eq (x size_w_y)), !(Rabs_pos_eq (x size_w_z)), !Rabs_mult in Cs by
+    assumption.
   destruct (term _ _ _ u1_y u0_y v1_z v0_z u1_z u0_z v1_y v0_y w_x_near) as [N1 I1].
   destruct (term _ _ _ u1_z u0_z v1_x v0_x u1_x u0_x v1_z v0_z w_y_near) as [N2 I2].
   destruct (term _ _ _ u1_x u0_x v1_y v0_y u1_y u0_y v1_x v0_x w_z_near) as [N3 I3].
   assert (T := fun i j k l m n o p s (H : 0 <= x s) => Rmult_le_pos _ _ H (sizes0 i j k l m n o p)).
-  assert (T1 := T u1_y u0_y v1_z v0_z u1_z u0_z v1_y v0_y _ x0). assert (T2 := T u1_z u0_z v1_x v0_x u1_x u0_x v1_z v0_z _ y0).
+  assert (T1 := T u1_y u0_y v1_z v0_z u1_z u0_z v1_y v0_y _ x0).
+  assert (T2 := T u1_z u0_z v1_x v0_x u1_x u0_x v1_z v0_z _ y0).
   assert (T3 := T u1_x u0_x v1_y v0_y u1_y u0_y v1_x v0_x _ z0). clear T.
   replace (Q2R least_bound) with (80001 / 10000 * u) by (unfold Q2R, least_bound; simpl; lra).
   unfold real_det. fold (minor u1_y u0_y v1_z v0_z u1_z u0_z v1_y v0_y) in C.
-  set (S := x size_w_x * sizes u1_y u0_y v1_z v0_z u1_z u0_z v1_y v0_y + x size_w_y * sizes u1_z u0_z v1_x v0_x u1_x u0_x v1_z v0_z +
+  set (S := x size_w_x * sizes u1_y u0_y v1_z v0_z u1_z u0_z v1_y v0_y + x size_w_y * sizes u1_z u0_z v1_x v0_x u1_x u0_x
+    v1_z v0_z +
     x size_w_z * sizes u1_x u0_x v1_y v0_y u1_y u0_y v1_x v0_x) in *.
   assert (S0 : 0 <= S) by (unfold S; lra).
   match type of Cs with Rabs (_ - ?r) <= _ * ?p => replace r with S in Cs by (unfold S, sizes; ring);
@@ -174,7 +179,8 @@ Proof.
 Qed.
 End Determinant.
 
-Lemma kernels_are_enough : (least_times <= times /\ least_in_picture <= times_in_picture /\ least_bound <= bound_constant)%Q.
+Lemma kernels_are_enough : (least_times <= times /\ least_in_picture <= times_in_picture /\ least_bound <=
+  bound_constant)%Q.
 Proof. vm_compute. repeat split; discriminate. Qed.
 Definition constants := Eval vm_compute in shown least_bound bound_constant.
 Print constants.

@@ -5,9 +5,11 @@
      quotient_near   the quotient of what is computed;
      texel_near      the coordinate in texels.
 
-   Assumed: each e is off by at most its bound less 4 % (det3_float.v has 4.8 %), the real ones have one sign and their sum is
+   Assumed: each e is off by at most its bound less 4 % (det3_float.v has 4.8 %), the real ones have one sign and their
+     sum is
    not 0 (the ray meets the triangle); no corner's coordinate exceeds greater_4; a quotient is off by 2.5 ulp; no result is
-   below 2^-126 unless it is 0 (4 u covers it: prose). A greater of two is at least both. In prose: what a texel's class does with a coordinate that is
+   below 2^-126 unless it is 0 (4 u covers it: prose). A greater of two is at least both.
+   In prose: what a texel's class does with a coordinate that is
    certain to half a texel. Overflow: coordinates are below 2^20 texels, e at most 2^66. *)
 From Coq Require Import Reals QArith Qreals Lra Psatz.
 From Flocq Require Import Core.
@@ -94,14 +96,16 @@ Proof. eapply Rle_trans; [apply Rabs_pos | exact U_in]. Qed.
 Lemma S0 : 0 <= S.
 Proof. unfold S. repeat apply Rplus_le_le_0_compat; apply Rabs_pos. Qed.
 Lemma b0 : 0 <= x bound_a /\ 0 <= x bound_b /\ 0 <= x bound_c.
-Proof. repeat split; [assert (H := Rle_trans _ _ _ (Rabs_pos _) a_near) | assert (H := Rle_trans _ _ _ (Rabs_pos _) b_near) |
+Proof. repeat split; [assert (H := Rle_trans _ _ _ (Rabs_pos _) a_near) | assert (H := Rle_trans _ _ _ (Rabs_pos _)
+  b_near) |
   assert (H := Rle_trans _ _ _ (Rabs_pos _) c_near)]; lra. Qed.
 
 Theorem lost_near l : computed lost l -> 999 / 1000 * (B + 4 * u * S) <= l.
 Proof.
   intros C. apply near in C. destruct b0 as (b1 & b2 & b3). assert (s0 := S0). unfold S, B in *.
   assert (A := alpha_below (roundings lost) ltac:(vm_compute; lia)). cbn [roundings lost max Nat.max] in A.
-  cbn -[u32 alpha Q2R] in C. rewrite !(Rabs_pos_eq (Q2R _)), (Rabs_pos_eq (x bound_a)), (Rabs_pos_eq (x bound_b)), (Rabs_pos_eq (x bound_c)) in C
+  cbn -[u32 alpha Q2R] in C. rewrite !(Rabs_pos_eq (Q2R _)), (Rabs_pos_eq (x bound_a)), (Rabs_pos_eq (x bound_b)),
+    (Rabs_pos_eq (x bound_c)) in C
     by (try (unfold Q2R; simpl); lra).
   replace (Q2R (1 # 4194304)) with (4 * u) in C by (unfold Q2R; simpl; lra). simpl INR in A.
   set (P := x bound_a + x bound_b + x bound_c + 4 * u * (Rabs (x e_c) + (Rabs (x e_a) + Rabs (x e_b)))) in *.
@@ -121,7 +125,8 @@ Proof.
   assert (P : Rabs (x e_a) * Rabs (x u_x) + Rabs (x e_b) * Rabs (x u_y) + Rabs (x e_c) * Rabs (x u_z) <= S * M).
   { assert (times : forall i j, Rabs (x j) <= M -> Rabs (x i) * Rabs (x j) <= Rabs (x i) * M).
     { intros. apply Rmult_le_compat_l; auto using Rabs_pos. }
-    assert (T1 := times e_a _ u_x_in). assert (T2 := times e_b _ u_y_in). assert (T3 := times e_c _ u_z_in). unfold S. lra. }
+    assert (T1 := times e_a _ u_x_in). assert (T2 := times e_b _ u_y_in). assert (T3 := times e_c _ u_z_in). unfold S.
+    lra. }
   assert (P0 : 0 <= Rabs (x e_a) * Rabs (x u_x) + Rabs (x e_b) * Rabs (x u_y) + Rabs (x e_c) * Rabs (x u_z)).
   { repeat apply Rplus_le_le_0_compat; apply Rmult_le_pos; apply Rabs_pos. }
   assert (G := Rmult_le_compat _ _ _ _ (alpha_at_least 3) P0 A P).
@@ -146,7 +151,8 @@ Proof.
   apply Rmult_le_compat_r; [left; apply Rinv_0_lt_compat, s1 |].
   eapply Rle_trans; [apply Rabs_triang |]. rewrite Rabs_Ropp, Rabs_mult.
   assert (G := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) U_in Ns).
-  assert (MB : 0 <= M * B) by (apply Rmult_le_pos; auto). assert (MS : 0 <= M * (u * S)) by (apply Rmult_le_pos; [| apply Rmult_le_pos]; lra). lra.
+  assert (MB : 0 <= M * B) by (apply Rmult_le_pos; auto). assert (MS : 0 <= M * (u * S)) by (apply Rmult_le_pos; [| apply
+    Rmult_le_pos]; lra). lra.
 Qed.
 
 (* The quotient is off by 5 roundings, then the product by one. *)

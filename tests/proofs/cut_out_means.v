@@ -6,7 +6,8 @@
 
    Assumed: texels are whole numbers up to 255; both coordinates, real and computed, lie in the cell; the alpha is off by at
    most alpha_error (cut_outs.v, with a side of 1) and from 0 to 1; no result is below 2^-1022 unless it is 0 (2^-50 covers
-   underflow: prose). A float is the same wherever it is used: `upper` and alpha_error are inputs of their own. In prose: the
+   underflow: prose). A float is the same wherever it is used: `upper` and alpha_error are inputs of their own.
+   In prose: the
    difference from the threshold rounds once, which changes no sign. Overflow: nothing exceeds 2^18. *)
 From Coq Require Import Reals QArith Qreals Lra Psatz.
 From Flocq Require Import Core.
@@ -117,8 +118,10 @@ Hypotheses (f_near : Rabs (f - F) <= x error_x) (g_near : Rabs (g - G) <= x erro
 
 Lemma convex a b t l m : l <= a <= m -> l <= b <= m -> 0 <= t <= 1 -> l <= a * (1 - t) + b * t <= m.
 Proof.
-  intros. assert (A := Rmult_le_compat_r (1 - t) l a ltac:(lra) ltac:(lra)). assert (B := Rmult_le_compat_r t l b ltac:(lra) ltac:(lra)).
-  assert (C := Rmult_le_compat_r (1 - t) a m ltac:(lra) ltac:(lra)). assert (D := Rmult_le_compat_r t b m ltac:(lra) ltac:(lra)). lra.
+  intros. assert (A := Rmult_le_compat_r (1 - t) l a ltac:(lra) ltac:(lra)).
+  assert (B := Rmult_le_compat_r t l b ltac:(lra) ltac:(lra)).
+  assert (C := Rmult_le_compat_r (1 - t) a m ltac:(lra) ltac:(lra)).
+  assert (D := Rmult_le_compat_r t b m ltac:(lra) ltac:(lra)). lra.
 Qed.
 Lemma mean_in a b t : 0 <= a <= 255 -> 0 <= b <= 255 -> 0 <= t <= 1 -> 0 <= a + t * (b - a) <= 255.
 Proof. intros A B T. assert (C := convex _ _ _ _ _ A B T). lra. Qed.
@@ -129,21 +132,25 @@ Proof.
   destruct (mul_64 _ _ _ _ Cq) as (d & e & Cd & Ce & N2). apply diff_64 in Cd, Ce. fold f in Cd.
   apply (off_by _ _ 1) in Cd; [| rewrite Rabs_pos_eq; lra]. apply (off_by _ _ 255) in Ce; [| apply Rabs_le; lra].
   assert (P : Rabs (d * e - f * (x j - x i)) <= 201 / 100 * h * 255).
-  { replace (d * e - f * (x j - x i)) with ((d - f) * (e - (x j - x i)) + ((d - f) * (x j - x i) + f * (e - (x j - x i)))) by ring.
+  { replace (d * e - f * (x j - x i)) with ((d - f) * (e - (x j - x i)) + ((d - f) * (x j - x i) + f * (e - (x j - x
+    i)))) by ring.
     eapply Rle_trans; [apply Rabs_triang |]. assert (T := Rabs_triang ((d - f) * (x j - x i)) (f * (e - (x j - x i)))).
     rewrite !Rabs_mult in *. assert (D : Rabs (x j - x i) <= 255) by (apply Rabs_le; lra).
     assert (f1 : Rabs f <= 1) by (apply Rabs_le; lra).
-    assert (M1 := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) Cd Ce). assert (M2 := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) Cd D).
+    assert (M1 := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) Cd Ce).
+    assert (M2 := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) Cd D).
     assert (M3 := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) f1 Ce). lra. }
   assert (I := mean_in _ _ _ Ti Tj f_in). apply between in P.
   assert (S : Rabs (f * (x j - x i)) <= 255).
-  { rewrite Rabs_mult. assert (D : Rabs (x j - x i) <= 255) by (apply Rabs_le; lra). assert (f1 : Rabs f <= 1) by (apply Rabs_le; lra).
+  { rewrite Rabs_mult. assert (D : Rabs (x j - x i) <= 255) by (apply Rabs_le; lra).
+  assert (f1 : Rabs f <= 1) by (apply Rabs_le; lra).
     assert (M := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) f1 D). lra. }
   apply between in S. apply (off_by _ _ (255 * (1001 / 1000))) in N2; [| apply Rabs_le; lra]. apply between in N2.
   apply (off_by _ _ (255 * (1001 / 1000))) in N1; [| apply Rabs_le; lra]. apply between in N1. apply Rabs_le. lra.
 Qed.
 
-Definition real_mean s t := (x texels_x + s * (x texels_y - x texels_x)) * (1 - t) + (x texels_z + s * (x texels_w - x texels_z)) * t.
+Definition real_mean s t := (x texels_x + s * (x texels_y - x texels_x)) * (1 - t) + (x texels_z + s * (x texels_w - x
+  texels_z)) * t.
 Lemma cell_near : Rabs (real_mean f g - real_mean F G) <= 255 * (x error_x + x error_y).
 Proof.
   assert (A := mean_in _ _ _ t_x t_y f_in). assert (B := mean_in _ _ _ t_z t_w f_in).
@@ -203,8 +210,10 @@ Proof.
   assert (v_in : Rabs v <= 255 + 9 * h * 255) by (apply Rabs_le; lra).
   assert (near_M : Rabs (v - M) <= 255 * (x error_x + x error_y) + 805 / 100 * h * 255).
   { replace (v - M) with ((v - m) + (m - M)) by ring. eapply Rle_trans; [apply Rabs_triang |]. lra. }
-  assert (P : Rabs (v * a - M * A) <= (255 * (x error_x + x error_y) + 805 / 100 * h * 255) * 1 + (255 + 9 * h * 255) * x off).
-  { replace (v * a - M * A) with ((v - M) * A + v * (a - A)) by ring. eapply Rle_trans; [apply Rabs_triang |]. rewrite !Rabs_mult.
+  assert (P : Rabs (v * a - M * A) <= (255 * (x error_x + x error_y) + 805 / 100 * h * 255) * 1 + (255 + 9 * h * 255) * x
+    off).
+  { replace (v * a - M * A) with ((v - M) * A + v * (a - A)) by ring. eapply Rle_trans; [apply Rabs_triang |].
+  rewrite !Rabs_mult.
     assert (A1 : Rabs A <= 1) by (rewrite Rabs_pos_eq; lra).
     assert (M1 := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) near_M A1).
     assert (M2 := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) v_in Ha). lra. }

@@ -86,7 +86,8 @@ def selection(condition, yes, no):
 # ---- LLVM's text -----------------------------------------------------------------------------------------------------
 
 OPERATIONS = {"fadd": "add", "fsub": "sub", "fmul": "mul", "fdiv": "div"}
-BUILTINS = {"fabs": "abs", "fma": "fma", "fmax": "max", "fmin": "min", "max": "max", "min": "min", "sqrt": "sqrt", "floor": "floor"}
+BUILTINS = {"fabs": "abs", "fma": "fma", "fmax": "max", "fmin": "min", "max": "max", "min": "min", "sqrt": "sqrt",
+            "floor": "floor"}
 TYPE = r"(?:<\d+ x [\w.]+>|\[[^\]]*\]|%?[\w.]+(?: addrspace\(\d+\))?\*?)"
 
 

@@ -8,7 +8,8 @@
 
    Assumed: the shear is the slope, rounded once; the points' coordinates lie between `low` and `high`; a face's points have
    no coordinate that is more than 1 + 2 u times as large as that along its axis, and are inside the grid (frame_fit.v); a
-   quotient is off by 2.5 ulp; no result is below 2^-126 unless it is 0. One entry of each row is 0, here the second; the
+   quotient is off by 2.5 ulp; no result is below 2^-126 unless it is 0 (2^-90 covers underflow, and a point's offset is a
+   quarter of a texel: prose). One entry of each row is 0, here the second; the
    order of the others changes nothing: prose. Overflow: coordinates are below 1e30.
    loose: heights and the point light's scale have the one bound of all rows (not shown: 2.5 times). *)
 From Coq Require Import Reals QArith Qreals Lra Psatz.
@@ -193,7 +194,8 @@ Let s := x quotient_2.
 Let d_x := Rabs (x point_x - x center_x).
 Let d_z := Rabs (x point_z - x center_z).
 Hypotheses (s0 : 0 < s) (slope_near : Rabs (x shear_x - slope) <= 101 / 100 * u * Rabs slope).
-Hypotheses (row_is : x row = s) (row_1_is : x row_1 = 0) (row_2_near : Rabs (x row_2 + s * x shear_x) <= u * (s * Rabs (x shear_x))).
+Hypotheses (row_is : x row = s) (row_1_is : x row_1 = 0) (row_2_near : Rabs (x row_2 + s * x shear_x) <= u * (s * Rabs (x
+  shear_x))).
 (* The reaches before the 1 % (greater_9 and greater_8). *)
 Hypotheses (in_reach_x : d_x <= (1 + 2 * u) * x greater_9) (in_reach_z : d_z <= (1 + 2 * u) * x greater_8).
 Definition real_coordinate := s * (x point_x - x center_x) - s * slope * (x point_z - x center_z) + x row_3.
@@ -206,10 +208,12 @@ Proof.
   set (g := Rabs (x shear_x)) in *. assert (g0 : 0 <= g) by apply Rabs_pos. assert (z0 : 0 <= d_z) by apply Rabs_pos.
   assert (x0 : 0 <= d_x) by apply Rabs_pos. assert (sg : 0 <= s * g) by (apply Rmult_le_pos; lra).
   assert (r2 : Rabs (x row_2) <= (1 + u) * (s * g)).
-  { assert (T := Rabs_triang (x row_2 + s * x shear_x) (- (s * x shear_x))). rewrite Rabs_Ropp, Rabs_mult, (Rabs_pos_eq s) in T by lra.
+  { assert (T := Rabs_triang (x row_2 + s * x shear_x) (- (s * x shear_x))).
+  rewrite Rabs_Ropp, Rabs_mult, (Rabs_pos_eq s) in T by lra.
     replace (x row_2 + s * x shear_x + - (s * x shear_x)) with (x row_2) in T by ring. unfold g in *. lra. }
   assert (slope_size : Rabs slope <= (1 + 2 * u) * g).
-  { assert (T := Rabs_triang_inv slope (slope - x shear_x)). replace (slope - (slope - x shear_x)) with (x shear_x) in T by ring.
+  { assert (T := Rabs_triang_inv slope (slope - x shear_x)). replace (slope - (slope - x shear_x)) with (x shear_x) in T
+    by ring.
     rewrite (Rabs_minus_sym slope) in T. assert (Z := Rabs_pos slope). unfold g. lra. }
   assert (G1 := Rmult_le_compat_l s _ _ ltac:(lra) in_reach_x).
   assert (G2 := Rmult_le_compat _ _ _ _ (Rabs_pos _) z0 r2 in_reach_z).
@@ -217,8 +221,10 @@ Proof.
   assert (entry : Rabs (x row_2 + s * slope) <= 203 / 100 * u * (s * g)).
   { replace (x row_2 + s * slope) with ((x row_2 + s * x shear_x) + - (s * (x shear_x - slope))) by ring.
     eapply Rle_trans; [apply Rabs_triang |]. rewrite Rabs_Ropp, (Rabs_mult s), (Rabs_pos_eq s) by lra.
-    assert (G := Rmult_le_compat_l s _ _ ltac:(lra) slope_near). assert (H := Rmult_le_compat_l s _ _ ltac:(lra) slope_size). lra. }
-  assert (G3 := Rmult_le_compat _ _ _ _ (Rabs_pos _) z0 entry in_reach_z). unfold d_z in G3 at 1. rewrite <- Rabs_mult in G3.
+    assert (G := Rmult_le_compat_l s _ _ ltac:(lra) slope_near).
+    assert (H := Rmult_le_compat_l s _ _ ltac:(lra) slope_size). lra. }
+  assert (G3 := Rmult_le_compat _ _ _ _ (Rabs_pos _) z0 entry in_reach_z). unfold d_z in G3 at 1.
+  rewrite <- Rabs_mult in G3.
   set (P := s * d_x + (Rabs (x row_2) * d_z + Rabs (x row_3))) in *. assert (o0 := Rabs_pos (x row_3)).
   assert (P0 : 0 <= P).
   { unfold P. repeat apply Rplus_le_le_0_compat; try apply Rmult_le_pos; auto using Rabs_pos; lra. }
@@ -237,7 +243,8 @@ Theorem height_near v : computed x height v ->
   Rabs (v - x row_of_heights_2 * (x point_z - x center_z)) <= 41 / 10 * u * x greater_8.
 Proof.
   intros C. apply near in C. assert (A := alpha_below 4 ltac:(lia)). simpl INR in A. cbn -[u32 alpha] in C.
-  rewrite row_of_heights_is, row_of_heights_1_is, row_of_heights_2_is, row_of_heights_3_is, Rabs_R0, !Rmult_0_l, !Rplus_0_l, Rplus_0_r,
+  rewrite row_of_heights_is, row_of_heights_1_is, row_of_heights_2_is, row_of_heights_3_is, Rabs_R0, !Rmult_0_l,
+    !Rplus_0_l, Rplus_0_r,
     Rmult_1_l, Rplus_0_r in C. fold d_z in C.
   assert (z0 : 0 <= d_z) by apply Rabs_pos. assert (E := Rmult_le_compat _ _ _ _ (alpha_at_least 4) z0 A in_reach_z). lra.
 Qed.
@@ -251,7 +258,8 @@ Let W := x row_of_heights_2 * (x point_z - x center_z).
 Let texels := x width.
 Variables o unit : R.  (* the offset and the power of two that both rows are multiplied by *)
 Hypotheses (scale0 : 0 <= scale) (unit0 : 0 < unit) (texels0 : 0 <= texels) (W0 : 0 < W).
-Hypotheses (row_is : x row = scale * unit) (row_1_is : x row_1 = 0) (row_2_is : Rabs (x row_2) = Rabs o * unit) (row_3_is : x row_3 = 0).
+Hypotheses (row_is : x row = scale * unit) (row_1_is : x row_1 = 0) (row_2_is : Rabs (x row_2) = Rabs o * unit) (row_3_is
+  : x row_3 = 0).
 Hypotheses (row_of_heights_is : x row_of_heights = 0) (row_of_heights_1_is : x row_of_heights_1 = 0).
 Hypotheses (row_of_heights_2_is : Rabs (x row_of_heights_2) = unit) (row_of_heights_3_is : x row_of_heights_3 = 0).
 Hypotheses (in_face : Rabs (x point_x - x center_x) <= (1 + 2 * u) * Rabs (x point_z - x center_z)).
@@ -272,7 +280,8 @@ Proof.
   assert (r : Rabs (x row) = scale * unit) by (rewrite row_is; apply Rabs_pos_eq, Rmult_le_pos; lra).
   rewrite r, row_1_is, row_2_is, row_3_is, Rabs_R0, !Rmult_0_l, !Rplus_0_l, !Rplus_0_r in C. fold real_x in C.
   set (D := Rabs (x point_z - x center_z)) in *. assert (D0 : 0 <= D) by apply Rabs_pos.
-  assert (su : 0 <= scale * unit) by (apply Rmult_le_pos; lra). assert (ou : 0 <= Rabs o * unit) by (apply Rmult_le_pos; auto using Rabs_pos; lra).
+  assert (su : 0 <= scale * unit) by (apply Rmult_le_pos; lra).
+  assert (ou : 0 <= Rabs o * unit) by (apply Rmult_le_pos; auto using Rabs_pos; lra).
   assert (G := Rmult_le_compat_l _ _ _ su in_face).
   assert (P0 : 0 <= scale * unit * Rabs (x point_x - x center_x) + Rabs o * unit * D).
   { apply Rplus_le_le_0_compat; apply Rmult_le_pos; auto using Rabs_pos. }
@@ -302,7 +311,8 @@ Proof.
     apply Rmult_le_compat_r; [lra |]. apply Rabs_le; lra. }
   assert (E3 := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) q_in E2). rewrite <- Rabs_mult in E3.
   assert (E4 := Rmult_le_compat_l (501 / 100 * u) _ _ ltac:(lra) q_in). apply between in E1, E3.
-  apply Rle_trans with (2 := Rle_refl _) in Hr. apply between in Hr. assert (o0 := Rabs_pos o). unfold of_texels. apply Rabs_le. lra.
+  apply between in Hr. assert (o0 := Rabs_pos o). unfold of_texels.
+  apply Rabs_le. lra.
 Qed.
 
 Theorem inverse_near w z : computed x height w -> Rabs (z - / w) <= 501 / 100 * u * Rabs (/ w) ->
@@ -312,12 +322,14 @@ Proof.
   rewrite (Rabs_pos_eq (/ w)) in Hz by lra. apply between in Hz. rewrite (Rabs_pos_eq z) by lra.
   assert (J := Rinv_0_lt_compat _ W0).
   assert (E : / W * w <= 1 + 401 / 100 * u /\ 1 - 401 / 100 * u <= / W * w).
-  { assert (K := Rinv_l W ltac:(lra)). assert (G := Rmult_le_compat_l (/ W) (w - W) (401 / 100 * u * W) ltac:(lra) ltac:(lra)).
+  { assert (K := Rinv_l W ltac:(lra)). assert (G := Rmult_le_compat_l (/ W) (w - W) (401 / 100 * u * W) ltac:(lra)
+    ltac:(lra)).
     assert (H := Rmult_le_compat_l (/ W) (- (401 / 100 * u * W)) (w - W) ltac:(lra) ltac:(lra)).
     replace (/ W * (401 / 100 * u * W)) with (401 / 100 * u * (/ W * W)) in G by ring.
     replace (/ W * (- (401 / 100 * u * W))) with (- (401 / 100 * u) * (/ W * W)) in H by ring. rewrite K in G, H. lra. }
   assert (F : / W = / W * w * / w) by (field; lra).
-  assert (G1 := Rmult_le_compat_r (/ w) _ _ ltac:(lra) (proj1 E)). assert (G2 := Rmult_le_compat_r (/ w) _ _ ltac:(lra) (proj2 E)).
+  assert (G1 := Rmult_le_compat_r (/ w) _ _ ltac:(lra) (proj1 E)).
+  assert (G2 := Rmult_le_compat_r (/ w) _ _ ltac:(lra) (proj2 E)).
   rewrite <- F in G1, G2. apply Rabs_le. lra.
 Qed.
 End Position.
@@ -330,7 +342,8 @@ Lemma bounds_are :
   (exists o, greater_12_one = size_of_greater_12 o) /\ (exists o, greater_15_one = Add (Abs o) (Given quotient_4 0)).
 Proof. split; eexists; reflexivity. Qed.
 Definition of_heights : Q := match height_error with Times c (Times d _) => c * d | _ => 0%Q end.
-Definition of_ratios : Q * Q := match ratio_error with Times c (Add (Times d _) (Times e _)) => (c * d, c * (d + e))%Q | _ => (0%Q, 0%Q) end.
+Definition of_ratios : Q * Q := match ratio_error with Times c (Add (Times d _) (Times e _)) => (c * d, c * (d + e))%Q |
+  _ => (0%Q, 0%Q) end.
 Definition of_inverse : Q := match inverse_error with Const c => c | _ => 0%Q end.
 Definition least_point : Q := 61 # 167772160.
 Definition least_texels : Q := 91 # 167772160.

@@ -96,7 +96,8 @@ Lemma offset_is : offset = offset_of (middle high_x low_x) (middle high_z low_z)
 Proof. reflexivity. Qed.
 Lemma extent_is :
   greater_7_one = Add (Times 2 padding) (Diff raw_high_x raw_low_x) /\
-  quotient_1_over = Add (Const (-1 # 2)) (Given width 0) /\ Qred (2 * edge) = (1 # 2)%Q /\ quotient_1_under = Given greater_7 0 /\
+  quotient_1_over = Add (Const (-1 # 2)) (Given width 0) /\ Qred (2 * edge) = (1 # 2)%Q /\ quotient_1_under = Given
+    greater_7 0 /\
   scale = Given quotient_1 0.
 Proof. repeat split. Qed.
 
@@ -118,7 +119,8 @@ Definition real_raw := P_x - g * P_z.
 Theorem raw_near r : computed x raw r -> Rabs (r - real_raw) <= 401 / 100 * u * M.
 Proof.
   intros C. apply near in C. assert (A := alpha_below 2 ltac:(lia)). simpl INR in A. cbn -[u32 alpha] in C.
-  fold g P_x P_z in C. rewrite (Rmult_comm P_z g) in C. assert (G := Rmult_le_compat _ _ _ _ (Rabs_pos g) (Rabs_pos P_z) g_in P_z_in).
+  fold g P_x P_z in C. rewrite (Rmult_comm P_z g) in C. assert (G := Rmult_le_compat _ _ _ _ (Rabs_pos g) (Rabs_pos P_z)
+    g_in P_z_in).
   assert (P0 := Rmult_le_pos _ _ (Rabs_pos g) (Rabs_pos P_z)). assert (X0 := Rabs_pos P_x).
   assert (B : alpha u32 2 * (Rabs P_x + Rabs g * Rabs P_z) <= (1 + 1) * (1 + / 1048576) * u * (2 * M))
     by (apply Rmult_le_compat; [apply alpha_at_least | lra | exact A | lra]).
@@ -165,7 +167,8 @@ Proof.
   { rewrite Rabs_mult, Rabs_pos_eq by lra. apply Rmult_le_compat_l; [lra |]. apply Rabs_le. unfold reach in *. lra. }
   apply (at_most _ _ _ N4) in S4 as N4'. clear N4.
   set (T := first - K * M - (c_x - g * c_z)) in *.
-  assert (t3_near : Rabs (t3 - T) <= u * (504 / 100 * M + 1 / 10000 * E_x - 99 / 100 * E_z)) by (apply Rabs_le; unfold T, reach in *; lra).
+  assert (t3_near : Rabs (t3 - T) <= u * (504 / 100 * M + 1 / 10000 * E_x - 99 / 100 * E_z)) by (apply Rabs_le; unfold T,
+    reach in *; lra).
   assert (G : Rabs (s * (t3 - T)) <= s * (u * (504 / 100 * M + 1 / 10000 * E_x - 99 / 100 * E_z))).
   { rewrite Rabs_mult, (Rabs_pos_eq s) by lra. apply Rmult_le_compat_l; lra. }
   assert (e0 := between _ _ (Rle_refl (Rabs (Q2R edge)))). apply between in S4, N4', G.
@@ -189,7 +192,8 @@ Proof.
   rewrite (Rabs_pos_eq s) in C by lra.
   assert (r2 : Rabs (x row_2) <= (1 + u) * s).
   { assert (G := g_times 1 1 ltac:(rewrite Rabs_R1; lra)). rewrite Rmult_1_r in G. apply between in row_2_near, G.
-    assert (H := Rmult_le_compat_l s (- 1) g ltac:(lra) ltac:(lra)). assert (I := Rmult_le_compat_l s g 1 ltac:(lra) ltac:(lra)).
+    assert (H := Rmult_le_compat_l s (- 1) g ltac:(lra) ltac:(lra)).
+    assert (I := Rmult_le_compat_l s g 1 ltac:(lra) ltac:(lra)).
     apply Rabs_le. lra. }
   assert (G1 := Rmult_le_compat_l s _ _ ltac:(lra) x_near).
   assert (G2 := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) r2 z_near).
@@ -206,7 +210,8 @@ Qed.
 (* Where the fit puts a point. *)
 Definition real_place r := Q2R edge + s * (r - first + Q2R kernels_padding * M).
 Definition least_padding : Q := 293 # 167772160.
-Theorem fitted_near r v : computed x raw r -> computed x value v -> computed x (offset_of (Given center_x 0) (Given center_z 0)) (x row_3) ->
+Theorem fitted_near r v : computed x raw r -> computed x value v -> computed x (offset_of (Given center_x 0) (Given
+  center_z 0)) (x row_3) ->
   Rabs (v - real_place r) <= s * (Q2R least_padding * M) + 6 * u * Rabs (Q2R edge).
 Proof.
   intros Cr Cv Co. assert (R := raw_near _ Cr). assert (V := value_near _ Cv). assert (O := offset_near _ Co).
@@ -216,14 +221,16 @@ Proof.
   assert (sx := Rmult_le_compat_l s _ _ ltac:(lra) Ex). assert (sz := Rmult_le_compat_l s _ _ ltac:(lra) Ez).
   assert (sx0 : 0 <= s * E_x) by (apply Rmult_le_pos; lra). assert (sz0 : 0 <= s * E_z) by (apply Rmult_le_pos; lra).
   assert (KM : 0 <= s * (Q2R kernels_padding * M) <= 100 * u * (s * M)).
-  { split; [apply Rmult_le_pos; [lra | apply Rmult_le_pos; lra] |]. replace (100 * u * (s * M)) with (s * (100 * u * M)) by ring.
+  { split; [apply Rmult_le_pos; [lra | apply Rmult_le_pos; lra] |].
+  replace (100 * u * (s * M)) with (s * (100 * u * M)) by ring.
     apply Rmult_le_compat_l; [lra |]. apply Rmult_le_compat_r; lra. }
   assert (o_size : Rabs (x row_3) <= Rabs (Q2R edge) + s * (E_x + E_z + 200 * u * M) + u * Rabs (Q2R edge)).
   { assert (T := Rabs_triang_inv (x row_3) real_offset). unfold real_offset in T at 1.
     assert (T' := Rabs_triang (Q2R edge) (- (s * (first - Q2R kernels_padding * M - (c_x - g * c_z))))).
     rewrite Rabs_Ropp, Rabs_mult, (Rabs_pos_eq s) in T' by lra.
     assert (F : Rabs (first - Q2R kernels_padding * M - (c_x - g * c_z)) <= reach + 100 * u * M).
-    { assert (0 <= Q2R kernels_padding * M <= 100 * u * M) by (split; [apply Rmult_le_pos; lra |]; apply Rmult_le_compat_r; lra).
+    { assert (0 <= Q2R kernels_padding * M <= 100 * u * M) by (split; [apply Rmult_le_pos; lra |]; apply
+      Rmult_le_compat_r; lra).
       apply between in first_near. apply Rabs_le. lra. }
     assert (G := Rmult_le_compat_l s _ _ ltac:(lra) F). unfold Rminus in *. unfold of_offset, reach in *. lra. }
   assert (sR : Rabs (s * (r - real_raw)) <= s * (401 / 100 * u * M)).

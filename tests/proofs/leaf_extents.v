@@ -4,10 +4,13 @@
      corner_near, triangle_near, box_near   the greatest coordinate of a triangle, and the least one of the box;
      outside_is_outside                     so a triangle that is left out is outside by 4 u L.
 
-   Assumed: the axis has unit length to 10^-4, so that its coordinates add up to at most 1.733; no coordinate of a corner or a
-   point exceeds L; `rounding` is at least 0.9999 of BEAM_ROUNDING L, and at most L; no result is below 2^-126 unless it is 0.
+   Assumed: the axis has unit length to 10^-4, so that its coordinates add up to at most 1.733; no coordinate of a corner
+     or a
+   point exceeds L; `rounding` is at least 0.9999 of BEAM_ROUNDING L, and at most L; no result is below 2^-126 unless it
+     is 0.
    A greater of two is at least both, and one of them; dot() rounds each product and each sum, in any order. In prose: that
-   the axis is not exactly perpendicular to D moves a coordinate by at most 3 u L. Overflow: coordinates are at most 2^19. *)
+   the axis is not exactly perpendicular to D moves a coordinate by at most 3 u L.
+   Overflow: coordinates are at most 2^19. *)
 From Coq Require Import Reals QArith Qreals Lra Psatz.
 From Flocq Require Import Core.
 Require Import Roundings Devices Filters.
@@ -86,7 +89,8 @@ Proof. eapply Rle_trans; [apply Rabs_pos | exact A_x_in]. Qed.
 Lemma sum_below p q r m : 0 <= m -> p <= m -> q <= m -> r <= m ->
   Rabs a_x * p + (Rabs a_y * q + Rabs a_z * r) <= 1733 / 1000 * m.
 Proof.
-  intros. assert (H3 := Rmult_le_compat_l _ _ _ (Rabs_pos a_x) H0). assert (H4 := Rmult_le_compat_l _ _ _ (Rabs_pos a_y) H1).
+  intros. assert (H3 := Rmult_le_compat_l _ _ _ (Rabs_pos a_x) H0).
+  assert (H4 := Rmult_le_compat_l _ _ _ (Rabs_pos a_y) H1).
   assert (H5 := Rmult_le_compat_l _ _ _ (Rabs_pos a_z) H2). assert (H6 := Rmult_le_compat_r m _ _ H unit_length). lra.
 Qed.
 Lemma difference_below i j : within i -> within j -> Rabs (x i - x j) <= 2 * L.
@@ -116,7 +120,8 @@ Proof.
   destruct (step_add _ _ _ _ C) as (o & h & Co & Ch & S). apply given_is in Ch. subst h. fold g in S.
   apply near in Co. assert (A := alpha_below 3 ltac:(lia)). simpl INR in A. cbn -[u32 alpha] in Co. fold a_x a_y a_z in Co.
   assert (P := sum_below _ _ _ L l0 O_x_in O_y_in O_z_in).
-  match type of Co with _ <= _ * ?p => replace p with (Rabs a_x * Rabs (x O_x) + (Rabs a_y * Rabs (x O_y) + Rabs a_z * Rabs (x O_z))) in Co by ring end.
+  match type of Co with _ <= _ * ?p => replace p with (Rabs a_x * Rabs (x O_x) + (Rabs a_y * Rabs (x O_y) + Rabs a_z *
+    Rabs (x O_z))) in Co by ring end.
   assert (P0 : 0 <= Rabs a_x * Rabs (x O_x) + (Rabs a_y * Rabs (x O_y) + Rabs a_z * Rabs (x O_z))).
   { repeat apply Rplus_le_le_0_compat; apply Rmult_le_pos; apply Rabs_pos. }
   assert (E := Rmult_le_compat _ _ _ _ (alpha_at_least 3) P0 A P).
@@ -141,9 +146,11 @@ Qed.
 Theorem box_near b : computed x box_low b -> b <= along P_x P_y P_z - x rounding + 245 / 10 * u * L + 8 * u * x rounding.
 Proof.
   intros C. assert (l0 := L0). apply near in C. assert (A := alpha_below 7 ltac:(lia)). simpl INR in A.
-  cbn -[u32 alpha Q2R] in C. rewrite same_x, same_y, same_z in C. rewrite !(Rabs_pos_eq (Q2R _)) in C by (unfold Q2R; simpl; lra).
+  cbn -[u32 alpha Q2R] in C. rewrite same_x, same_y, same_z in C.
+  rewrite !(Rabs_pos_eq (Q2R _)) in C by (unfold Q2R; simpl; lra).
   replace (Q2R (1 # 2)) with (/ 2) in C by (unfold Q2R; simpl; lra). rewrite (Rabs_pos_eq (x rounding)) in C by lra.
-  assert (S1 := side_below a_x _ _ _ P_x_in). assert (S2 := side_below a_y _ _ _ P_y_in). assert (S3 := side_below a_z _ _ _ P_z_in).
+  assert (S1 := side_below a_x _ _ _ P_x_in). assert (S2 := side_below a_y _ _ _ P_y_in).
+  assert (S3 := side_below a_z _ _ _ P_z_in).
   assert (sum2 : forall i j, within i -> within j -> / 2 * (Rabs (x j) + Rabs (x i)) <= L) by (unfold within; intros; lra).
   assert (dif2 : forall i j, within i -> within j -> / 2 * Rabs (x j - x i) <= L).
   { intros i j Hi Hj. assert (D := difference_below _ _ Hj Hi). lra. }

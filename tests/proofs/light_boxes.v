@@ -7,7 +7,8 @@
 
    Assumed: D = S - P has no coordinate above `reach`, but for 6 u of it; for the box, whose part may stick out of the whole
    box, the coordinates of the four vectors add up to at most 3 reach (geometry: the lights of a part lie in the whole box);
-   a quotient is off by 2.5 ulp; no result is below 2^-126 unless it is 0 (BEAM_UNDERFLOW covers it: prose). A greater of two
+   a quotient is off by 2.5 ulp; no result is below 2^-126 unless it is 0 (BEAM_UNDERFLOW covers it: prose).
+   A greater of two
    is at least both. Overflow: nothing exceeds 2^60. *)
 From Coq Require Import Reals QArith Qreals Lra Psatz.
 From Flocq Require Import Core.
@@ -141,7 +142,8 @@ Qed.
 Lemma dot_below l m n d e f r : 0 <= l -> 0 <= m -> 0 <= n -> d <= r -> e <= r -> f <= r ->
   l * d + (m * e + n * f) <= (l + m + n) * r.
 Proof.
-  intros. assert (l * d <= l * r) by (apply Rmult_le_compat_l; lra). assert (m * e <= m * r) by (apply Rmult_le_compat_l; lra).
+  intros. assert (l * d <= l * r) by (apply Rmult_le_compat_l; lra).
+  assert (m * e <= m * r) by (apply Rmult_le_compat_l; lra).
   assert (n * f <= n * r) by (apply Rmult_le_compat_l; lra). lra.
 Qed.
 
@@ -157,7 +159,8 @@ Proof. unfold size. repeat apply Rplus_le_le_0_compat; apply Rabs_pos. Qed.
 
 (* ---- The bound ---- *)
 Lemma size_near i j k l m n v :
-  computed x (Add (Abs (Diff m n)) (Add (Abs (Diff i j)) (Abs (Diff k l)))) v -> (1 - 301 / 100 * u) * size i j k l m n <= v.
+  computed x (Add (Abs (Diff m n)) (Add (Abs (Diff i j)) (Abs (Diff k l)))) v -> (1 - 301 / 100 * u) * size i j k l m n
+    <= v.
 Proof.
   intros C. apply near in C. assert (A := alpha_below 3 ltac:(lia)). simpl INR in A. cbn -[u32 alpha] in C.
   assert (S := size0 i j k l m n). unfold size in *.
@@ -175,11 +178,13 @@ Proof.
   assert (Sa := size_near _ _ _ _ _ _ _ a_computed). assert (Sf := size_near _ _ _ _ _ _ _ f_computed).
   apply a_is in a_computed as Ga. apply f_is in f_computed as Gf. fold a in Sa. fold f in Sf.
   assert (a0 : 0 <= a) by apply size0. assert (f0 : 0 <= f) by apply size0.
-  assert (P : (1 - 301 / 100 * u) * a * ((1 - 301 / 100 * u) * f) <= x greater_2 * x greater_4) by (apply Rmult_le_compat; lra).
+  assert (P : (1 - 301 / 100 * u) * a * ((1 - 301 / 100 * u) * f) <= x greater_2 * x greater_4) by (apply
+    Rmult_le_compat; lra).
   assert (Q := Rmult_le_compat_r reach' _ _ reach0 P).
   unfold bound in C. cbn -[u32 alpha Q2R] in C. fold reach' in C.
   rewrite !(Rabs_pos_eq (Q2R _)) in C by (unfold Q2R; simpl; lra).
-  rewrite (Rabs_pos_eq reach'), (Rabs_pos_eq (x greater_2)), (Rabs_pos_eq (x greater_4)), (Rabs_pos_eq (x greater_1)) in C by lra.
+  rewrite (Rabs_pos_eq reach'), (Rabs_pos_eq (x greater_2)), (Rabs_pos_eq (x greater_4)), (Rabs_pos_eq (x greater_1)) in
+    C by lra.
   set (T := Q2R (1 # 18446744073709551616) * x greater_1) in *.
   assert (T0 : 0 <= T) by (unfold T; apply Rmult_le_pos; [unfold Q2R; simpl |]; lra).
   replace (Q2R (9147937 # 17592186044416)) with (9147937 / 17592186044416) in C by (unfold Q2R; simpl; lra).
@@ -195,7 +200,8 @@ Let N_y := Rabs (x A_z - x P_z) * Rabs (x B_x - x A_x) + Rabs (x A_x - x P_x) * 
 Let N_z := Rabs (x A_x - x P_x) * Rabs (x B_y - x A_y) + Rabs (x A_y - x P_y) * Rabs (x B_x - x A_x).
 Lemma N_below r l m n : 0 <= r -> l <= r -> m <= r -> n <= r -> N_x * l + (N_y * m + N_z * n) <= a * f * r.
 Proof.
-  intros. assert (Z : forall i j k l, 0 <= Rabs (x i - x j) * Rabs (x k - x l)) by (intros; apply Rmult_le_pos; apply Rabs_pos).
+  intros. assert (Z : forall i j k l, 0 <= Rabs (x i - x j) * Rabs (x k - x l)) by (intros; apply Rmult_le_pos; apply
+    Rabs_pos).
   eapply Rle_trans; [apply dot_below with (r := r); auto; apply Rplus_le_le_0_compat; apply Z |].
   apply Rmult_le_compat_r; [assumption |]. apply cross_total; apply Rabs_pos.
 Qed.
@@ -247,7 +253,8 @@ Let X := q * (n * (a + 3 * reach')).
 Lemma n0 : 0 <= n.
 Proof. destruct M0. lra. Qed.
 Lemma X0 : 0 <= X.
-Proof. unfold X. assert (A := size0 A_x P_x A_y P_y A_z P_z). fold a in A. repeat apply Rmult_le_pos; auto using n0; lra. Qed.
+Proof. unfold X. assert (A := size0 A_x P_x A_y P_y A_z P_z). fold a in A. repeat apply Rmult_le_pos; auto using n0; lra.
+Qed.
 
 Theorem scale_is_small b w : computed x quotient_1_under w -> q * w <= (1 + 6 * u) * b -> 0 < w ->
   130 / 10 * u * X <= b.
@@ -259,13 +266,15 @@ Proof.
   rewrite (Rabs_pos_eq reach') in C by lra. assert (a0 : 0 <= a) by apply size0. assert (n0 := n0).
   assert (g0 : 0 <= x greater_6) by lra. rewrite (Rabs_pos_eq (x greater_6)) in C by lra.
   replace (Rabs (x A_z - x P_z) + (Rabs (x A_x - x P_x) + Rabs (x A_y - x P_y))) with a in C by (unfold a, size; ring).
-  replace (Q2R (3 # 2)) with (3 / 2) in C by (unfold Q2R; simpl; lra). replace (Q2R (3 # 1)) with 3 in C by (unfold Q2R; simpl; lra).
+  replace (Q2R (3 # 2)) with (3 / 2) in C by (unfold Q2R; simpl; lra).
+  replace (Q2R (3 # 1)) with 3 in C by (unfold Q2R; simpl; lra).
   replace (Q2R (9147937 # 17592186044416)) with (9147937 / 17592186044416) in C by (unfold Q2R; simpl; lra).
   set (T := Q2R (1 # 18446744073709551616)) in *. assert (T0 : 0 <= T) by (unfold T, Q2R; simpl; lra).
   set (Y := (a + 3 * reach') * x greater_6). assert (Y0 : 0 <= Y) by (apply Rmult_le_pos; lra).
   assert (Y1 : (1 - 401 / 100 * u) * (n * (a + 3 * reach')) <= Y).
   { unfold Y. assert (G := Rmult_le_compat_r (a + 3 * reach') _ _ ltac:(lra) n_is). lra. }
-  replace (3 / 2 * (a + 3 * reach') * (9147937 / 17592186044416 * x greater_6)) with (3 / 2 * (9147937 / 17592186044416) * Y) in C
+  replace (3 / 2 * (a + 3 * reach') * (9147937 / 17592186044416 * x greater_6)) with (3 / 2 * (9147937 / 17592186044416)
+    * Y) in C
     by (unfold Y; ring).
   assert (E := Rmult_le_compat_r (T + 3 / 2 * (9147937 / 17592186044416) * Y) _ _ ltac:(lra) A).
   apply between in C. assert (W : (1 - 81 / 10 * u) * (3 / 2 * (9147937 / 17592186044416) * Y) <= w) by lra.
@@ -275,11 +284,13 @@ Qed.
 
 Lemma M_below l m o : 0 <= l -> 0 <= m -> 0 <= o -> l * M_x + (m * M_y + o * M_z) <= n * (l + m + o).
 Proof.
-  intros. assert (l * M_x <= l * n) by (apply Rmult_le_compat_l; lra). assert (m * M_y <= m * n) by (apply Rmult_le_compat_l; lra).
+  intros. assert (l * M_x <= l * n) by (apply Rmult_le_compat_l; lra).
+  assert (m * M_y <= m * n) by (apply Rmult_le_compat_l; lra).
   assert (o * M_z <= o * n) by (apply Rmult_le_compat_l; lra). lra.
 Qed.
 
-Theorem plane_near v b w : one_light ((1 + 6 * u) * reach') -> computed x quotient_1_under w -> q * w <= (1 + 6 * u) * b -> 0 < w ->
+Theorem plane_near v b w : one_light ((1 + 6 * u) * reach') -> computed x quotient_1_under w -> q * w <= (1 + 6 * u) * b
+  -> 0 < w ->
   computed x plane v -> Rabs (v - real x plane) <= b.
 Proof.
   intros (L1 & L2 & L3) Cw Hq w0 C. assert (B := scale_is_small _ _ Cw Hq w0). apply near in C.
@@ -314,7 +325,8 @@ Proof.
   assert (H := M_below _ _ _ (Rabs_pos (x A_x - x P_x)) (Rabs_pos (x A_y - x P_y)) (Rabs_pos (x A_z - x P_z))).
   fold (size A_x P_x A_y P_y A_z P_z) in H. fold a in H. assert (n0 := n0).
   assert (D : n * (Rabs (x box_1_0 - x P_x) + Rabs (x box_1_1 - x P_y) + Rabs (x box_1_2 - x P_z) +
-    (Rabs (x box_0_0_0) + Rabs (x box_0_0_1) + Rabs (x box_0_0_2)) + (Rabs (x box_2_0) + Rabs (x box_2_1) + Rabs (x box_2_2)) +
+    (Rabs (x box_0_0_0) + Rabs (x box_0_0_1) + Rabs (x box_0_0_2)) + (Rabs (x box_2_0) + Rabs (x box_2_1) + Rabs (x
+      box_2_2)) +
     (Rabs (x box_3_0) + Rabs (x box_3_1) + Rabs (x box_3_2))) <= n * (3 * (3 * reach'))).
   { apply Rmult_le_compat_l; lra. }
   assert (a0 : 0 <= a) by apply size0. assert (na : 0 <= n * a) by (apply Rmult_le_pos; lra).
@@ -339,5 +351,6 @@ Definition constants := Eval vm_compute in shown least_plane (Qred (fst of_plane
 Print constants.
 Definition rests := Eval vm_compute in shown least_times bound_of_box_constant.
 Print rests.
-Definition checked := (bound_is_large, edge_near, edge_of_box_near, scale_is_small, plane_near, plane_of_box_near, kernels_are_enough).
+Definition checked := (bound_is_large, edge_near, edge_of_box_near, scale_is_small, plane_near, plane_of_box_near,
+  kernels_are_enough).
 Print Assumptions checked.

@@ -4,8 +4,10 @@
      nearness_is_near       so nearness() is within 2^-29 of 1 / t;
      interval_contains_it   the float interval contains every such value, so that disjoint intervals have its order.
 
-   Assumed: the determinants are off by at most their bounds (det3_double.v, camera_rays.v), in float by at most a quarter of
-   themselves; a float quotient is off by 2.5 ulp, a double one is rounded to nearest; no result is below 2^-126 unless it is
+   Assumed: the determinants are off by at most their bounds (det3_double.v, camera_rays.v), in float by at most a
+     quarter of
+   themselves; a float quotient is off by 2.5 ulp, a double one is rounded to nearest; no result is below 2^-126 unless
+     it is
    0 (bounds are at least 2^-61). Overflow: values are at most 2^63, their quotients 2^125. *)
 From Coq Require Import Reals QArith Qreals Lra Psatz.
 From Flocq Require Import Core.
@@ -59,7 +61,8 @@ Proof.
   { apply Rmult_le_reg_l with (1 - e); [lra |]. rewrite <- Rmult_assoc, Rinv_r, Rmult_1_l by lra. lra. }
   assert (G := Rmult_le_compat_l e _ _ ltac:(lra) Hv). unfold Rdiv. lra.
 Qed.
-Theorem wide_is_near v V bound limit : Rabs (v - V) <= bound -> bound <= limit -> Rabs (limit - Q2R good * Rabs v) <= h * Rabs (Q2R good * Rabs v) ->
+Theorem wide_is_near v V bound limit : Rabs (v - V) <= bound -> bound <= limit -> Rabs (limit - Q2R good * Rabs v) <= h *
+  Rabs (Q2R good * Rabs v) ->
   Rabs (v - V) <= / 1073741824 * Rabs V.
 Proof.
   intros H K L. assert (v0 := Rabs_pos v). replace (Q2R good) with (4352132950612665 / 4835703278458516698824704) in L
@@ -68,7 +71,8 @@ Proof.
   assert (N : Rabs (v - V) <= 90000001 / 100000000000000000 * Rabs v) by lra.
   apply relative in N; [| lra]. assert (V0 := Rabs_pos V). lra.
 Qed.
-Theorem nearness_is_near n d N D w : D <> 0 -> Rabs (n - N) <= / 1073741824 * Rabs N -> Rabs (d - D) <= / 1073741824 * Rabs D ->
+Theorem nearness_is_near n d N D w : D <> 0 -> Rabs (n - N) <= / 1073741824 * Rabs N -> Rabs (d - D) <= / 1073741824 *
+  Rabs D ->
   Rabs (w - n / d) <= h * Rabs (n / d) -> Rabs (w - N / D) <= 101 / 100 * / 536870912 * Rabs (N / D).
 Proof.
   intros D0 Hn Hd Hw.
@@ -76,11 +80,13 @@ Proof.
   rewrite (Rabs_minus_sym D) in T. assert (T' : (1 - k) * Rabs D <= Rabs d) by lra.
   assert (d0 : d <> 0) by (intros Z; rewrite Z, Rabs_R0 in T'; lra).
   assert (I : Rabs (/ d) <= 10001 / 10000 * Rabs (/ D)).
-  { rewrite !Rabs_inv. apply Rmult_le_reg_l with (Rabs d); [now apply Rabs_pos_lt |]. rewrite Rinv_r by (apply Rabs_no_R0; auto).
+  { rewrite !Rabs_inv. apply Rmult_le_reg_l with (Rabs d); [now apply Rabs_pos_lt |].
+  rewrite Rinv_r by (apply Rabs_no_R0; auto).
     apply Rmult_le_reg_r with (Rabs D); auto. rewrite !Rmult_assoc, Rinv_l by (apply Rabs_no_R0; auto). lra. }
   assert (E : Rabs (n / d - N / D) <= 2001 / 1000 * k * Rabs (N / D)).
   { replace (n / d - N / D) with ((n - N) * / d + - (N / D * ((d - D) * / d))) by (field; auto).
-    eapply Rle_trans; [apply Rabs_triang |]. rewrite Rabs_Ropp, !(Rabs_mult _ (/ d)), (Rabs_mult (N / D)), !(Rabs_mult _ (/ d)).
+    eapply Rle_trans; [apply Rabs_triang |]. rewrite Rabs_Ropp, !(Rabs_mult _ (/ d)), (Rabs_mult (N / D)), !(Rabs_mult _
+      (/ d)).
     assert (G1 := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) Hn I).
     assert (G2 := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) Hd I).
     replace (k * Rabs D * (10001 / 10000 * Rabs (/ D))) with (k * (10001 / 10000)) in G2
@@ -98,12 +104,14 @@ Qed.
 Definition of_both : Q := match error with Mul _ (Add _ (Times c _)) => c | _ => 0%Q end.
 Definition of_rest : Q := match error with Mul _ (Add (Const c) _) => c | _ => 0%Q end.
 Lemma error_is :
-  error = Mul (Abs (Given quotient_1 5)) (Add (Const of_rest) (Times of_both (Add (Given quotient_2 5) (Given quotient_3 5)))) /\
+  error = Mul (Abs (Given quotient_1 5)) (Add (Const of_rest) (Times of_both (Add (Given quotient_2 5) (Given quotient_3
+    5)))) /\
   low = Sub (Given quotient_1 5) error /\ high = Add (Given quotient_1 5) error.
 Proof. repeat split; reflexivity. Qed.
 (* The same with floats z, a and b, and the error e as an input of the ends. *)
 Definition shared := 99%nat.
-Definition error_of c r := Mul (Abs (Given quotient_1 0)) (Add (Const r) (Times c (Add (Given quotient_2 0) (Given quotient_3 0)))).
+Definition error_of c r := Mul (Abs (Given quotient_1 0)) (Add (Const r) (Times c (Add (Given quotient_2 0) (Given
+  quotient_3 0)))).
 Definition low_of := Sub (Given quotient_1 0) (Given shared 0).
 Definition high_of := Add (Given quotient_1 0) (Given shared 0).
 
@@ -123,7 +131,8 @@ Definition least_rest : Q := 69 # 167772160.
 Variables c r : Q.
 Hypotheses (c_in : Q2R least_both <= Q2R c <= 141 / 100) (r_in : Q2R least_rest <= Q2R r <= 100 * u).
 
-Theorem interval_contains_it l m : computed x (error_of c r) e -> computed x low_of l -> computed x high_of m -> l <= w <= m.
+Theorem interval_contains_it l m : computed x (error_of c r) e -> computed x low_of l -> computed x high_of m -> l <= w
+  <= m.
 Proof.
   intros Ce Cl Ck.
   assert (A1 := Rabs_pos_lt _ n0). assert (D1 := Rabs_pos_lt _ d0). set (q := Rabs (n / d)) in *.
@@ -132,22 +141,26 @@ Proof.
   assert (quarter : forall s t, 0 < t -> 0 <= s -> 4 * s <= t -> 0 <= s / t <= / 4).
   { intros s t t0 s0 H. assert (I := Rinv_0_lt_compat _ t0). split; [unfold Rdiv; apply Rmult_le_pos; lra |].
     apply Rmult_le_reg_r with t; auto. unfold Rdiv. rewrite Rmult_assoc, Rinv_l by lra. lra. }
-  assert (A_in := quarter _ _ A1 bn n_usable). assert (B_in := quarter _ _ D1 bd d_usable). fold A in A_in. fold B in B_in. clear quarter.
+  assert (A_in := quarter _ _ A1 bn n_usable). assert (B_in := quarter _ _ D1 bd d_usable). fold A in A_in.
+  fold B in B_in. clear quarter.
   unfold off in *. fold A in a_is. fold B in b_is. fold q in z_is.
   rewrite (Rabs_pos_eq A) in a_is by lra. rewrite (Rabs_pos_eq B) in b_is by lra. apply between in a_is, b_is.
   (* The real quotient. *)
   assert (N_rel : Rabs (n - N) = Rabs ((n - N) / n) * Rabs n) by (rewrite <- Rabs_mult; f_equal; field; auto).
   assert (D_rel : Rabs (d - D) = Rabs ((d - D) / d) * Rabs d) by (rewrite <- Rabs_mult; f_equal; field; auto).
   set (s := (n - N) / n) in *. set (t := (d - D) / d) in *.
-  assert (s_in : Rabs s <= A) by (apply Rmult_le_reg_r with (Rabs n); auto; unfold A; unfold Rdiv; rewrite Rmult_assoc, Rinv_l by lra; lra).
-  assert (t_in : Rabs t <= B) by (apply Rmult_le_reg_r with (Rabs d); auto; unfold B; unfold Rdiv; rewrite Rmult_assoc, Rinv_l by lra; lra).
+  assert (s_in : Rabs s <= A) by (apply Rmult_le_reg_r with (Rabs n); auto; unfold A; unfold Rdiv; rewrite Rmult_assoc,
+    Rinv_l by lra; lra).
+  assert (t_in : Rabs t <= B) by (apply Rmult_le_reg_r with (Rabs d); auto; unfold B; unfold Rdiv; rewrite Rmult_assoc,
+    Rinv_l by lra; lra).
   assert (t_b := between _ _ t_in).
   assert (D_is : D = d * (1 - t)) by (unfold t; field; auto). assert (N_is : N = n * (1 - s)) by (unfold s; field; auto).
   assert (t1 : 1 - t <> 0) by lra.
   assert (real : Rabs (N / D - n / d) <= 4 / 3 * (A + B) * q).
   { rewrite N_is, D_is. replace (n * (1 - s) / (d * (1 - t)) - n / d) with (n / d * ((t - s) * / (1 - t))) by (field; auto).
     rewrite !Rabs_mult. fold q. assert (I : Rabs (/ (1 - t)) <= 4 / 3).
-    { rewrite Rabs_pos_eq by (left; apply Rinv_0_lt_compat; lra). replace (4 / 3) with (/ (3 / 4)) by field. apply Rinv_le_contravar; lra. }
+    { rewrite Rabs_pos_eq by (left; apply Rinv_0_lt_compat; lra). replace (4 / 3) with (/ (3 / 4)) by field.
+    apply Rinv_le_contravar; lra. }
     assert (S : Rabs (t - s) <= A + B) by (assert (T := Rabs_triang t (- s)); rewrite Rabs_Ropp in T; unfold Rminus; lra).
     assert (G := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) S I).
     assert (G2 := Rmult_le_compat_l q _ _ (Rabs_pos _) G). lra. }
@@ -175,7 +188,8 @@ Proof.
   assert (Y_in : 69 / 10 * u + 133334 / 100000 * (A + B) <= Y <= 71 / 100) by (unfold Y; lra).
   assert (z0 := Rabs_pos z). assert (zY0 : 0 <= Rabs z * Y) by (apply Rmult_le_pos; lra).
   assert (E := Rmult_le_compat_r _ _ _ zY0 F). apply between in Ce.
-  assert (zY : (1 - 501 / 100 * u) * q * (69 / 10 * u + 133334 / 100000 * (A + B)) <= Rabs z * Y) by (apply Rmult_le_compat; lra || (apply Rmult_le_pos; lra)).
+  assert (zY : (1 - 501 / 100 * u) * q * (69 / 10 * u + 133334 / 100000 * (A + B)) <= Rabs z * Y) by (apply
+    Rmult_le_compat; lra || (apply Rmult_le_pos; lra)).
   assert (zY1 : Rabs z * Y <= Rabs z * (71 / 100)) by (apply Rmult_le_compat_l; lra).
   (* The ends. *)
   destruct (step_sub _ _ _ _ Cl) as (z1 & e1 & C1 & C2 & L). apply given_is in C1, C2. subst z1 e1. fold z e in L.
@@ -187,7 +201,8 @@ Proof.
 Qed.
 End Interval.
 
-Lemma kernels_are_enough : (least_both <= of_both /\ of_both <= 141 # 100 /\ least_rest <= of_rest /\ of_rest <= 100 * u32Q)%Q.
+Lemma kernels_are_enough : (least_both <= of_both /\ of_both <= 141 # 100 /\ least_rest <= of_rest /\ of_rest <= 100 *
+  u32Q)%Q.
 Proof. vm_compute. repeat split; discriminate. Qed.
 Definition constants := Eval vm_compute in shown least_rest of_rest.
 Print constants.

@@ -6,7 +6,8 @@
      corner_is_behind   a corner that is computed to be below P by PACKET_BOUND_OF_CORNER (S + R) is below it.
 
    Assumed: computed coordinates of corners are at most 1.001 S in size, and their heights off by 4.02 u S, P's by 4.02 u R;
-   each e is off by the error in packets.v, 18.2 u (S + q) S + 9.9 u (S + q) R; the line meets the triangle, so that the real
+   each e is off by the error in packets.v, 18.2 u (S + q) S + 9.9 u (S + q) R; the line meets the triangle, so that the
+     real
    e have one sign, here positive, and add up to twice the area, at most 4.02 S^2; no result is below 2^-126 unless it is 0
    (2^-64 covers underflow: prose). Overflow: coordinates are at most 2^19. *)
 From Coq Require Import Reals QArith Qreals Lra Psatz.
@@ -70,7 +71,8 @@ Lemma pair i j m n : Rabs (x i) <= m -> Rabs (x j) <= n -> Rabs (x i) * Rabs (x 
 Proof. intros. apply Rmult_le_compat; auto using Rabs_pos. Qed.
 Lemma apart i j : near_corner i -> near_corner j -> Rabs (x i - x j) <= 2002 / 1000 * S.
 Proof. unfold near_corner. intros. apply between in H. apply between in H0. apply Rabs_le. lra. Qed.
-Lemma times_apart i j k : near_corner i -> near_corner j -> near_corner k -> Rabs (x i) * Rabs (x j - x k) <= 2005 / 1000 * (S * S).
+Lemma times_apart i j k : near_corner i -> near_corner j -> near_corner k -> Rabs (x i) * Rabs (x j - x k) <= 2005 / 1000
+  * (S * S).
 Proof.
   intros Hi Hj Hk. assert (G := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) Hi (apart _ _ Hj Hk)).
   assert (SS : 0 <= S * S) by (apply Rmult_le_pos; auto). lra.
@@ -81,7 +83,8 @@ Proof.
   intros Hi Hj Hk Hl. assert (G := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) (apart _ _ Hi Hj) (apart _ _ Hk Hl)).
   assert (SS : 0 <= S * S) by (apply Rmult_le_pos; auto). lra.
 Qed.
-Lemma three i j k : near_corner i -> near_corner j -> near_corner k -> Rabs (x i) * Rabs (x j) * Rabs (x k) <= 1004 / 1000 * (S * S * S).
+Lemma three i j k : near_corner i -> near_corner j -> near_corner k -> Rabs (x i) * Rabs (x j) * Rabs (x k) <= 1004 /
+  1000 * (S * S * S).
 Proof.
   unfold near_corner. intros Hi Hj Hk. assert (G := pair _ _ _ _ Hi Hj).
   assert (H := Rmult_le_compat _ _ _ _ (Rmult_le_pos _ _ (Rabs_pos _) (Rabs_pos _)) (Rabs_pos _) G Hk).
@@ -96,7 +99,8 @@ Proof.
   assert (T1 := times_apart _ _ _ a_z_in b_y_in c_y_in). assert (T2 := times_apart _ _ _ b_z_in c_y_in a_y_in).
   assert (T3 := times_apart _ _ _ c_z_in a_y_in b_y_in). assert (T4 := times_apart _ _ _ a_z_in c_x_in b_x_in).
   assert (T5 := times_apart _ _ _ b_z_in a_x_in c_x_in). assert (T6 := times_apart _ _ _ c_z_in b_x_in a_x_in).
-  assert (B1 := both_apart _ _ _ _ b_x_in a_x_in c_y_in a_y_in). assert (B2 := both_apart _ _ _ _ a_x_in c_x_in a_y_in b_y_in).
+  assert (B1 := both_apart _ _ _ _ b_x_in a_x_in c_y_in a_y_in).
+  assert (B2 := both_apart _ _ _ _ a_x_in c_x_in a_y_in b_y_in).
   assert (U1 := three _ _ _ b_x_in c_y_in a_z_in). assert (U2 := three _ _ _ c_x_in b_y_in a_z_in).
   assert (U3 := three _ _ _ a_y_in c_x_in b_z_in). assert (U4 := three _ _ _ a_x_in c_y_in b_z_in).
   assert (U5 := three _ _ _ a_x_in b_y_in c_z_in). assert (U6 := three _ _ _ b_x_in a_y_in c_z_in).
@@ -117,7 +121,8 @@ Qed.
 Variables E_a E_b E_c A_w B_w C_w P_w : R.
 Hypotheses (E_a0 : 0 <= E_a) (E_b0 : 0 <= E_b) (E_c0 : 0 <= E_c) (area_in : E_a + E_b + E_c <= 402 / 100 * (S * S)).
 Definition of_e := u * ((S + q) * (182 / 10 * S + 99 / 10 * R')).
-Hypotheses (e_a_near : Rabs (e_a - E_a) <= of_e) (e_b_near : Rabs (e_b - E_b) <= of_e) (e_c_near : Rabs (e_c - E_c) <= of_e).
+Hypotheses (e_a_near : Rabs (e_a - E_a) <= of_e) (e_b_near : Rabs (e_b - E_b) <= of_e) (e_c_near : Rabs (e_c - E_c) <=
+  of_e).
 Let near_height i w s := Rabs (x i - w) <= 402 / 100 * u * s.
 Hypotheses (a_w_near : near_height a_z A_w S) (b_w_near : near_height b_z B_w S) (c_w_near : near_height c_z C_w S).
 Hypothesis p_w_near : near_height p_z P_w R'.
@@ -127,7 +132,8 @@ Definition least_factor : Q := 442 # 100.
 Lemma term_near f F i w : near_corner i -> Rabs (f - F) <= of_e -> 0 <= F -> near_height i w S ->
   Rabs (f * (x i - x p_z) - F * (w - P_w)) <= of_e * (1001 / 1000 * S + p) + F * (402 / 100 * u * (S + R')).
 Proof.
-  intros Hi Hf F0 Hw. replace (f * (x i - x p_z) - F * (w - P_w)) with ((f - F) * (x i - x p_z) + F * ((x i - w) + - (x p_z - P_w))) by ring.
+  intros Hi Hf F0 Hw. replace (f * (x i - x p_z) - F * (w - P_w)) with ((f - F) * (x i - x p_z) + F * ((x i - w) + - (x
+    p_z - P_w))) by ring.
   eapply Rle_trans; [apply Rabs_triang |]. rewrite !Rabs_mult, (Rabs_pos_eq F) by assumption.
   assert (D : Rabs (x i - x p_z) <= 1001 / 1000 * S + p).
   { unfold Rminus. eapply Rle_trans; [apply Rabs_triang |]. rewrite Rabs_Ropp. unfold near_corner, p in *. lra. }
@@ -141,26 +147,33 @@ Theorem height_near v : computed x height v ->
 Proof.
   intros C. assert (N := rounding_near _ C). assert (q0 : 0 <= q) by (apply Rplus_le_le_0_compat; apply Rabs_pos).
   assert (p0 : 0 <= p) by apply Rabs_pos.
-  assert (T1 := term_near _ _ _ _ a_z_in e_a_near E_a0 a_w_near). assert (T2 := term_near _ _ _ _ b_z_in e_b_near E_b0 b_w_near).
+  assert (T1 := term_near _ _ _ _ a_z_in e_a_near E_a0 a_w_near).
+  assert (T2 := term_near _ _ _ _ b_z_in e_b_near E_b0 b_w_near).
   assert (T3 := term_near _ _ _ _ c_z_in e_c_near E_c0 c_w_near).
   assert (D0 : 0 <= 402 / 100 * u * (S + R')) by lra.
   assert (G := Rmult_le_compat_r _ _ _ D0 area_in).
   replace (Q2R least_factor) with (442 / 100) by (unfold Q2R, least_factor; simpl; lra).
   assert (P := fun s t r a b c => Rmult_le_pos (s * t) r (Rmult_le_pos s t a b) c).
-  assert (M1 := P _ _ _ S0 S0 S0). assert (M2 := P _ _ _ S0 S0 q0). assert (M3 := P _ _ _ S0 S0 p0). assert (M4 := P _ _ _ S0 S0 R0).
-  assert (M5 := P _ _ _ S0 q0 p0). assert (M6 := P _ _ _ S0 R0 p0). assert (M7 := P _ _ _ S0 q0 R0). assert (M8 := P _ _ _ q0 R0 p0).
+  assert (M1 := P _ _ _ S0 S0 S0). assert (M2 := P _ _ _ S0 S0 q0). assert (M3 := P _ _ _ S0 S0 p0).
+  assert (M4 := P _ _ _ S0 S0 R0).
+  assert (M5 := P _ _ _ S0 q0 p0). assert (M6 := P _ _ _ S0 R0 p0). assert (M7 := P _ _ _ S0 q0 R0).
+  assert (M8 := P _ _ _ q0 R0 p0).
   unfold of_rounding, real_height, m, of_e in *. apply between in N, T1, T2, T3. apply Rabs_le. lra.
 Qed.
 End Height.
 
 (* g and w are computed heights, r what w is lowered by, with 5 roundings, and t the difference. *)
 Definition least_corner : Q := 52 # 167772160.
-Theorem corner_is_behind c S R' g G w W r t : 0 <= S -> 0 <= R' -> Rabs (g - G) <= 402 / 100 * u * S -> Rabs (w - W) <= 402 / 100 * u * R' ->
-  Rabs w <= 1001 / 1000 * R' -> Q2R least_corner <= Q2R c <= 100 * u -> Rabs (r - Q2R c * (S + R')) <= 6 * u * (Q2R c * (S + R')) ->
+Theorem corner_is_behind c S R' g G w W r t : 0 <= S -> 0 <= R' -> Rabs (g - G) <= 402 / 100 * u * S -> Rabs (w - W) <=
+  402 / 100 * u * R' ->
+  Rabs w <= 1001 / 1000 * R' -> Q2R least_corner <= Q2R c <= 100 * u -> Rabs (r - Q2R c * (S + R')) <= 6 * u * (Q2R c *
+    (S + R')) ->
   Rabs (t - (w - r)) <= u * Rabs (w - r) -> g < t -> G < W \/ S = 0 /\ R' = 0.
 Proof.
-  intros S0 R0 Hg Hw w_in Hc Hr Ht H. replace (Q2R least_corner) with (52 / 10 * u) in Hc by (unfold Q2R, least_corner; simpl; lra).
-  assert (B := Rmult_le_compat_r (S + R') _ _ ltac:(lra) (proj1 Hc)). assert (B' := Rmult_le_compat_r (S + R') _ _ ltac:(lra) (proj2 Hc)).
+  intros S0 R0 Hg Hw w_in Hc Hr Ht H. replace (Q2R least_corner) with (52 / 10 * u) in Hc by (unfold Q2R, least_corner;
+    simpl; lra).
+  assert (B := Rmult_le_compat_r (S + R') _ _ ltac:(lra) (proj1 Hc)).
+  assert (B' := Rmult_le_compat_r (S + R') _ _ ltac:(lra) (proj2 Hc)).
   apply between in Hg, Hw, w_in, Hr. assert (D : Rabs (w - r) <= 1002 / 1000 * (S + R')) by (apply Rabs_le; lra).
   apply (at_most _ _ _ Ht) in D. apply between in D. destruct (Rle_dec (S + R') 0); [right | left]; lra.
 Qed.

@@ -63,7 +63,8 @@ Proof.
   assert (E : alpha u32 2 * (Rabs (x point_x) + Rabs (x point_z) * Rabs (x shear_x)) <=
     (1 + 1) * (1 + / 1048576) * u * (Rabs (x point_x) + Rabs (x point_z)))
     by (apply Rmult_le_compat; [apply alpha_at_least | lra | exact A | lra]).
-  assert (M := Rmult_le_compat_r _ _ _ Z0 Hs). rewrite <- Rabs_mult in M. apply between in M, C. unfold real_raw. apply Rabs_le. lra.
+  assert (M := Rmult_le_compat_r _ _ _ Z0 Hs). rewrite <- Rabs_mult in M. apply between in M, C. unfold real_raw.
+  apply Rabs_le. lra.
 Qed.
 
 Definition least_points : Q := 53 # 167772160.
@@ -103,7 +104,8 @@ Proof.
   apply (at_most _ _ _ Nm) in Sm. apply between in Sm.
   (* The triangles. *)
   destruct (step_add _ _ _ _ Cb) as (p & h & Cp & Ch & Nb). apply given_is in Ch. subst h. set (h := x high) in *.
-  apply near in Cp. cbn -[u32 alpha Q2R] in Cp. fold T L in Cp. rewrite (Rabs_pos_eq T), (Rabs_pos_eq (Q2R d)), (Rabs_pos_eq L) in Cp by lra.
+  apply near in Cp. cbn -[u32 alpha Q2R] in Cp. fold T L in Cp.
+  rewrite (Rabs_pos_eq T), (Rabs_pos_eq (Q2R d)), (Rabs_pos_eq L) in Cp by lra.
   assert (dL := Rmult_le_compat_r L _ _ L0 (proj1 Hd)). assert (dL2 := Rmult_le_compat_r L _ _ L0 (proj2 Hd)).
   assert (B := alpha_below 2 ltac:(lia)). simpl INR in B. assert (F := Rmult_le_compat_r (T + Q2R d * L) _ _ ltac:(lra) B).
   apply between in Cp, high_in. assert (Sb : Rabs (p + h) <= 202 / 100 * L + 2 * T) by (apply Rabs_le; lra).
@@ -114,14 +116,17 @@ End Direction.
 (* ---- A point light ---- *)
 Theorem ratio_near x a b v : computed x quotient_1_over a -> computed x quotient_1_under b -> x point_z - x light_z <> 0 ->
   Rabs (v - a / b) <= 501 / 100 * u * Rabs (a / b) ->
-  Rabs (v - (x point_x - x light_x) / (x point_z - x light_z)) <= 71 / 10 * u * Rabs ((x point_x - x light_x) / (x point_z - x light_z)).
+  Rabs (v - (x point_x - x light_x) / (x point_z - x light_z)) <= 71 / 10 * u * Rabs ((x point_x - x light_x) / (x
+    point_z - x light_z)).
 Proof.
-  intros Ca Cb W0 Hv. apply step_diff in Ca, Cb. set (X := x point_x - x light_x) in *. set (W := x point_z - x light_z) in *.
+  intros Ca Cb W0 Hv. apply step_diff in Ca, Cb. set (X := x point_x - x light_x) in *.
+  set (W := x point_z - x light_z) in *.
   assert (W1 := Rabs_pos_lt _ W0). assert (T := Rabs_triang_inv W (W - b)). replace (W - (W - b)) with b in T by ring.
   rewrite (Rabs_minus_sym W) in T. assert (T' : (1 - u) * Rabs W <= Rabs b) by lra.
   assert (b0 : b <> 0) by (intros Z; rewrite Z, Rabs_R0 in T'; lra).
   assert (I : Rabs (/ b) <= (1 + 101 / 100 * u) * Rabs (/ W)).
-  { rewrite !Rabs_inv. apply Rmult_le_reg_l with (Rabs b); [now apply Rabs_pos_lt |]. rewrite Rinv_r by (apply Rabs_no_R0; auto).
+  { rewrite !Rabs_inv. apply Rmult_le_reg_l with (Rabs b); [now apply Rabs_pos_lt |].
+  rewrite Rinv_r by (apply Rabs_no_R0; auto).
     apply Rmult_le_reg_r with (Rabs W); auto. rewrite !Rmult_assoc, Rinv_l by (apply Rabs_no_R0; auto). lra. }
   assert (E : Rabs (a / b - X / W) <= 202 / 100 * u * Rabs (X / W)).
   { replace (a / b - X / W) with ((a - X) * / b + - (X / W * ((b - W) * / b))) by (field; auto).

@@ -66,7 +66,8 @@ Proof.
   exists d. split; [exact N2 |]. assert (I := Rinv_0_lt_compat _ q0).
   assert (E : Rabs (i * q - 1) <= 101 / 100 * u).
   { replace (i * q - 1) with ((i - / q) * q) by (field; lra). rewrite Rabs_mult, (Rabs_pos_eq q) by lra.
-    assert (H := Rmult_le_compat_r q _ _ ltac:(lra) inverse_near). replace (101 / 100 * u * / q * q) with (101 / 100 * u) in H by (field; lra). lra. }
+    assert (H := Rmult_le_compat_r q _ _ ltac:(lra) inverse_near).
+    replace (101 / 100 * u * / q * q) with (101 / 100 * u) in H by (field; lra). lra. }
   replace (s * q - d) with ((s - i * d) * q + (i * q - 1) * d) by ring. eapply Rle_trans; [apply Rabs_triang |].
   rewrite !Rabs_mult, (Rabs_pos_eq q) by lra. assert (M1 := Rmult_le_compat_r q _ _ ltac:(lra) N1).
   rewrite Rabs_mult in M1. assert (M2 := Rmult_le_compat_r _ _ _ (Rabs_pos d) E).
@@ -109,8 +110,10 @@ Proof.
   intros Cm Cs Hc bound_in H. destruct (slope_near _ Cs) as (d & N1 & N2).
   replace (Q2R least_around) with (75 / 10 * u) in Hc by (unfold Q2R, least_around; simpl; lra).
   destruct (step_times _ _ _ _ Cm) as (y & Cy & N3). apply given_is in Cy. subst y.
-  assert (Sq : 0 < S * q) by (apply Rmult_lt_0_compat; lra). apply between in light_near. assert (light0 : 0 < x light) by lra.
-  assert (cl1 := Rmult_le_compat_r (x light) _ _ ltac:(lra) (proj1 Hc)). rewrite (Rabs_pos_eq (Q2R c * x light)) in N3 by lra.
+  assert (Sq : 0 < S * q) by (apply Rmult_lt_0_compat; lra). apply between in light_near.
+  assert (light0 : 0 < x light) by lra.
+  assert (cl1 := Rmult_le_compat_r (x light) _ _ ltac:(lra) (proj1 Hc)).
+  rewrite (Rabs_pos_eq (Q2R c * x light)) in N3 by lra.
   apply between in N3.
   assert (mq : (1 + 54 / 10 * u) * (S * q) <= m * q).
   { assert (L : (1 + 54 / 10 * u) * S <= m) by lra. assert (M := Rmult_le_compat_r q _ _ ltac:(lra) L). lra. }
@@ -119,7 +122,8 @@ Proof.
   { destruct (Rle_dec d 0) as [n |]; [| lra]. rewrite (Rabs_left1 d) in N2 by lra. apply between in N2. lra. }
   rewrite (Rabs_pos_eq d) in N2 by lra. apply between in N2.
   assert (b0 : 0 < x bound - h).
-  { destruct (Rle_dec (x bound - h) 0) as [n |]; [| lra]. rewrite (Rabs_left1 (x bound - h)) in N1 by lra. apply between in N1. lra. }
+  { destruct (Rle_dec (x bound - h) 0) as [n |]; [| lra]. rewrite (Rabs_left1 (x bound - h)) in N1 by lra.
+  apply between in N1. lra. }
   rewrite (Rabs_pos_eq (x bound - h)) in N1 by lra. apply between in N1.
   assert (D : 0 < G - P).
   { assert (N := height_near _ h_is). fold P in N. destruct (Rle_dec 0 P) as [p | p]; [| lra].

@@ -135,7 +135,8 @@ Theorem sign v b : computes32 x value v -> computes32 x bound b ->
   (forall s, computes32 x size_one s \/ computes32 x size_other s -> Q2R least <= s) ->
   b < Rabs v -> (0 < v <-> 0 < real x value) /\ real x value <> 0.
 Proof.
-  intros C B S exceeds. destruct bound_is as [-> _] in B. destruct bound_is as [_ ->] in C |- *. destruct in_range as (L1 & L2 & L3 & L4).
+  intros C B S exceeds. destruct bound_is as [-> _] in B. destruct bound_is as [_ ->] in C |- *.
+  destruct in_range as (L1 & L2 & L3 & L4).
   inversion C as [ | | | | | | ? ? p q p' q' ? Cp Cq Sp Sq R | | | ]; subst.
   inversion B as [ | | | ? ? w w' ? Cw Sw Rw | | | | | | ]; subst.
   inversion Cw as [ | | | | | | ? ? d e d' e' ? Cd Ce Sd Se Rs | | | ]; subst.
@@ -180,17 +181,22 @@ Proof.
   inversion C as [ | | | | | | ? ? p q p' q' ? Cp Cq Sp Sq R | | | ]; subst. unfold seen64 in Sp, Sq. subst p' q'.
   inversion B as [ | | | | | | ? ? w z w' z' ? Cw Cz Sw Sz Rb | | | ]; subst. unfold seen64 in Sw, Sz. subst w' z'.
   inversion Cz as [ | | | ? ? y y' ? Cy Sy Ry | | | | | | ]; subst. unfold seen64 in Sy. subst y'.
-  assert (bounds : forall d, computes64 x wide_bounds d -> exists B1 B2, 0 <= B1 /\ 0 <= B2 /\ Rabs (p - real x one) <= B1 /\
+  assert (bounds : forall d, computes64 x wide_bounds d -> exists B1 B2, 0 <= B1 /\ 0 <= B2 /\ Rabs (p - real x one) <=
+    B1 /\
     Rabs (q - real x other) <= B2 /\ Rabs (d - (B1 + B2)) <= u' * (B1 + B2)).
-  { intros d Cd. inversion Cd as [ | | | | | | ? ? e f e' f' ? Ce Cf Se Sf Rs | | | ]; subst. unfold seen64 in Se, Sf. subst e' f'.
-    inversion Ce as [ | | | ? ? s1 t1 ? Cs1 T1 R1 | | | | | | ]; subst. inversion Cf as [ | | | ? ? s2 t2 ? Cs2 T2 R2 | | | | | | ]; subst.
+  { intros d Cd. inversion Cd as [ | | | | | | ? ? e f e' f' ? Ce Cf Se Sf Rs | | | ]; subst. unfold seen64 in Se, Sf.
+  subst e' f'.
+    inversion Ce as [ | | | ? ? s1 t1 ? Cs1 T1 R1 | | | | | | ]; subst.
+    inversion Cf as [ | | | ? ? s2 t2 ? Cs2 T2 R2 | | | | | | ]; subst.
     unfold seen64 in T1, T2. subst t1 t2. exists e, f.
     assert (N1 := wide_is_near one wide_one _ _ _ ltac:(auto) (in_range _) (in_range _) Cp Cs1 (S _ (or_introl Cs1)) R1).
-    assert (N2 := wide_is_near other wide_other _ _ _ ltac:(auto) (in_range _) (in_range _) Cq Cs2 (S _ (or_intror Cs2)) R2).
+    assert (N2 := wide_is_near other wide_other _ _ _ ltac:(auto) (in_range _) (in_range _) Cq Cs2 (S _ (or_intror Cs2))
+      R2).
     assert (e0 := Rle_trans _ _ _ (Rabs_pos _) N1). assert (f0 := Rle_trans _ _ _ (Rabs_pos _) N2).
     apply rounds64_near in Rs. replace u64 with u' in Rs by (unfold u64; simpl; lra).
     rewrite (Rabs_pos_eq (e + f)) in Rs by lra. repeat split; auto; lra. }
-  destruct (bounds _ Cw) as (B1 & B2 & P1 & P2 & N1 & N2 & Nw). destruct (bounds _ Cy) as (B3 & B4 & P3 & P4 & N3 & N4 & Ny).
+  destruct (bounds _ Cw) as (B1 & B2 & P1 & P2 & N1 & N2 & Nw).
+  destruct (bounds _ Cy) as (B3 & B4 & P3 & P4 & N3 & N4 & Ny).
   apply rounds64_near in R, Rb, Ry. replace u64 with u' in * by (unfold u64; simpl; lra).
   replace (Q2R wide_factor) with (/ 64) in Ry by (unfold Q2R, wide_factor; simpl; lra).
   apply between in Nw, Ny, N1, N2, N3, N4. assert (y0 : 0 <= y) by lra. assert (w0 : 0 <= w) by lra.
