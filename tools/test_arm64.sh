@@ -1,9 +1,9 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
 # Tests gnomon on another processor: Debian's packages for ARM64, PoCL among them, emulated by qemu. It needs root on
-# Debian, and from there debootstrap, qemu-user-static, clang-14, lld-14 and gcc; 1.1 GB; and longer than CI has: on two
-# cores with a load of 15 (2026-11-27) 24 minutes to unpack and compile, 21 for the self-check, 4 for the small cases, 1
-# for double arithmetic. The predicates and the golden lines take longest, so they are last; each step says when it begins.
+# Debian, and from there debootstrap, qemu-user-static, clang-14, lld-14 and gcc; 1.1 GB; and longer than CI has. Up to the
+# predicates it took 8 minutes of processor time, its compiler's files from ccache, and 50 minutes on two cores with a load
+# of 15 (2026-11-27). The golden lines and the predicates are last, since they take longest; each step says when it begins.
 #
 # usage: test_arm64.sh FOLDER     FOLDER: made if it is not there; a second run goes on with what the first one left
 #
