@@ -13,8 +13,8 @@
 // the receiver has; so the ray cannot meet the receiver farther on. If neither holds, no light is found to be dark.
 #include "horizons/strip_walk.clh"
 
-// A light's slope rounds once, those from the pyramid up to five times (tests/proofs/pyramid_slopes.v), also that of the
-// highest height, at which lanes_left() stops a walk.
+// A light's slope rounds once, those from the pyramid up to five times (tests/proofs/pyramid_slopes.v), also that of
+// the highest height, at which lanes_left() stops a walk.
 #define SLOPE_ABOVE (1.0f + 0x1.8p-21f)
 #define SLOPE_BELOW (1.0f - 0x1.8p-21f)
 #define SLOPE_WELL_BELOW (1.0f - 0x1p-16f)
