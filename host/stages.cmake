@@ -79,6 +79,6 @@ gnomon_wing(c c_interface c_interface_lattice c_interface_lights c_interface_res
 # Libraries of their own (host/CMakeLists.txt), which the core does not know.
 gnomon_wing(shading texture mip_levels appearance surface metering shade picture_mean received_light c_interface_shading)
 gnomon_wing(rivals rivals framed_technique conservative_map_alone shadow_volumes sub_pixel_shadow_map izb)
-gnomon_wing(rivals/rasterizer map_view depth_pass caster drawing window_depths caster_lanes caster_windows caster_chunks)
+gnomon_wing(rivals/rasterizer map_view depth_pass caster drawing tile_bounds window_depths caster_lanes caster_windows caster_chunks)
 gnomon_wing(rivals/shadow_map map_projection homography partition texel_footprint depth_pass lookup depth_lookup moments mip_chain moment_lookup
             visibility_bounds prefilter point_light_perspective rectilinear_warp virtual_map shadow_map soft_shadow diagnostic)

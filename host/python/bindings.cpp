@@ -15,6 +15,7 @@
 #include <gnomon.hpp>
 
 #include "cl/opencl.hpp"
+#include "height_steps.hpp"
 #include "lights/whole_weights.hpp"
 #include "lit_fractions.hpp"
 #include "scene/number_table.hpp"
@@ -35,10 +36,13 @@ using Doubles = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
 using Bytes = nb::ndarray<const std::uint8_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 using Integers = nb::ndarray<const std::int32_t, nb::c_contig, nb::device::cpu>;
 using Ids = nb::ndarray<const std::uint32_t, nb::c_contig, nb::device::cpu>;
-using Integers = nb::ndarray<const std::int32_t, nb::c_contig, nb::device::cpu>;
 
 template <typename Value>
 using Numpy = nb::ndarray<nb::numpy, Value>;
+
+// An array that a function writes.
+template <typename Value>
+using Written = nb::ndarray<Value, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 
 template <typename Array>
 auto span_of(const Array& array) {
@@ -470,6 +474,10 @@ std::vector<gnomon::Eye> eyes_of(const Integers& rows) {
     return eyes;
 }
 
+// The first row of a band, and the one after the last.
+using Rows = std::pair<std::int32_t, std::int32_t>;
+gnomon::HeightGrid::Band band_of(const Rows& rows) { return {rows.first, rows.second}; }
+
 // Eyes are rows of four: x, y, height, the targets' height.
 void bind_sight(nb::module_& m) {
     using gnomon::HeightGrid;
@@ -483,24 +491,51 @@ void bind_sight(nb::module_& m) {
             [](HeightGrid* self, const gnomon::Device& device, const Integers& heights) {
                 new (self) HeightGrid(device, span_of(heights), std::uint32_t(heights.shape(1)));
             },
-            Released())
+            nb::keep_alive<1, 3>(), "device"_a, "heights"_a.noconvert(), Released())
         .def("look",
-             [](HeightGrid& grid, const Integers& eye, const Integers& spans, bool sweeps) {
-                 return row_of(released([&] { return grid.look(eyes_of(eye).at(0), span_of(spans), sweeps); }));
+             [](HeightGrid& grid, const Integers& eye, const Rows& rows, const Integers& spans, bool sweeps) {
+                 return row_of(
+                     released([&] { return grid.look(eyes_of(eye).at(0), band_of(rows), span_of(spans), sweeps); }));
              })
         .def("least_heights",
-             [](HeightGrid& grid, const Integers& eye, const Integers& spans) {
-                 return row_of(released([&] { return grid.least_heights(eyes_of(eye).at(0), span_of(spans)); }));
+             [](HeightGrid& grid, const Integers& eye, const Rows& rows, const Integers& spans) {
+                 return row_of(
+                     released([&] { return grid.least_heights(eyes_of(eye).at(0), band_of(rows), span_of(spans)); }));
              })
         .def(
             "look_from",
-            [](HeightGrid& grid, const Integers& eyes, const Integers& spans, bool wants_words,
+            [](HeightGrid& grid, const Integers& eyes, const Rows& rows, const Integers& spans, bool wants_words,
                const std::optional<nb::callable>& progress) {
-                HeightGrid::Seen seen = released(
-                    [&] { return grid.look_from(eyes_of(eyes), span_of(spans), wants_words, progress_of(progress)); });
+                HeightGrid::Seen seen = released([&] {
+                    return grid.look_from(eyes_of(eyes), band_of(rows), span_of(spans), wants_words,
+                                          progress_of(progress));
+                });
                 return nb::make_tuple(row_of(std::move(seen.counts)), row_of(std::move(seen.words)));
             },
-            "eyes"_a, "spans"_a, "wants_words"_a, "progress"_a.none());
+            "eyes"_a, "rows"_a, "spans"_a, "wants_words"_a, "progress"_a.none());
+}
+
+// Of float32 and of float64: no array is converted from one to the other.
+template <typename Height>
+void bind_rounding(nb::module_& m) {
+    using Heights = nb::ndarray<const Height, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+    m.def(
+        "range_of_heights",
+        [](const Heights& heights) {
+            const auto range = released([&] { return gnomon::python::range_of(span_of(heights)); });
+            return std::pair(range.low, range.high);
+        },
+        "heights"_a.noconvert());
+    m.def(
+        "round_heights",
+        [](const Heights& heights, double base, double per_square, const Doubles& across, const Doubles& along,
+           int exponent, const Written<std::int32_t>& steps, const Written<bool>& absent) {
+            const nb::gil_scoped_release free;
+            const gnomon::python::Rounding rounding{base, per_square, span_of(across), span_of(along), exponent};
+            return gnomon::python::round_heights(span_of(heights), rounding, span_of(steps), span_of(absent));
+        },
+        "heights"_a.noconvert(), "base"_a, "per_square"_a, "across"_a, "along"_a, "exponent"_a, "steps"_a.noconvert(),
+        "absent"_a.noconvert());
 }
 
 void bind_views(nb::module_& m) {
@@ -741,6 +776,8 @@ NB_MODULE(_gnomon, m) {
     bind_lattice(m);
     bind_lit_fractions(m);
     bind_sight(m);
+    bind_rounding<float>(m);
+    bind_rounding<double>(m);
     bind_views(m);
     bind_pictures(m);
     bind_scenes(m);

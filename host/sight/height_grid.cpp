@@ -2,8 +2,10 @@
 #include "sight/height_grid.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <tuple>
 
-#include "kernels/sight/sight_sweep.h"
+#include "cl/opencl.hpp"
 #include "query/inputs.hpp"
 
 namespace gnomon {
@@ -19,130 +21,202 @@ int floor_divided(int a, int b) { return a / b - int(a % b < 0); }
 
 }  // namespace
 
+void HeightGrid::Release::operator()(cl_mem memory) const { clReleaseMemObject(memory); }
+
 HeightGrid::HeightGrid(const Device& device, std::span<const std::int32_t> heights, std::uint32_t columns)
     : device_(device) {
     require(columns >= 2 && columns <= MAX_GRID_SIDE && heights.size() % columns == 0 &&
                 heights.size() / columns >= 2 && heights.size() / columns <= MAX_GRID_SIDE,
             "heights: a grid has 2 to 16384 rows and columns");
-    require(std::ranges::all_of(heights, [](int h) { return h == NO_HEIGHT || std::abs(h) < MAX_GRID_HEIGHT; }),
-            "heights: must be below 2^25 steps");
     grid_.columns = int(columns);
     grid_.rows = int(heights.size() / columns);
     grid_.patch_columns = (grid_.columns + SIGHT_PATCH - 1) / SIGHT_PATCH;
     grid_.patch_rows = (grid_.rows + SIGHT_PATCH - 1) / SIGHT_PATCH;
     cl::Session& session = session_of(device_);
-    session.upload(heights_, heights);
+    share(heights);
     const std::size_t patches = std::size_t(grid_.patch_columns) * std::size_t(grid_.patch_rows);
     patch_tops_.reserve(session, patches * sizeof(cl_int));
-    session.launch(lines_file, "sight_patches", cl::Range::items(patches), grid_, heights_, patch_tops_);
+    cl::Buffer found;
+    session.reserve_filled(found, 0, sizeof(cl_uint));
+    session.launch(lines_file, "sight_patches", cl::Range::items(patches), grid_, heights_.get(), patch_tops_, found);
+    const auto what = session.read_value<cl_uint>(found);
+    require((what & FOUND_WRONG) == 0, "heights: must be below 2^25 steps");
+    has_absent_ = (what & FOUND_ABSENT) != 0;
+    targets_.reserve(session, has_absent_ ? heights.size() : 1);
+    if (!has_absent_) return;
+    session.launch(lines_file, "sight_targets", cl::Range::items(heights.size()), cl_ulong(heights.size()),
+                   heights_.get(), targets_);
+}
+
+// A device that shares the host's memory reads the heights where they are.
+void HeightGrid::share(std::span<const std::int32_t> heights) {
+    cl::Session& session = session_of(device_);
+    if (device_.description().shares_host_memory) {
+        cl_int code;
+        heights_.reset(clCreateBuffer(session.context(), CL_MEM_USE_HOST_PTR | CL_MEM_READ_ONLY, heights.size_bytes(),
+                                      const_cast<std::int32_t*>(heights.data()), &code));
+        if (code == CL_SUCCESS) return;
+    }
+    session.upload(copy_, heights);
+    heights_.reset(copy_.get());
+    clRetainMemObject(heights_.get());
+}
+
+// The box of the targets.
+void HeightGrid::set_box(SightGrid& grid, Spans spans) const {
+    const auto first = [&](int y) { return spans[2 * std::size_t(y - grid.band_first)]; };
+    const auto last = [&](int y) { return spans[2 * std::size_t(y - grid.band_first) + 1]; };
+    grid.first_row = grid.band_first;
+    grid.last_row = grid.band_last;
+    while (grid.first_row < grid.last_row && first(grid.first_row) >= last(grid.first_row)) ++grid.first_row;
+    while (grid.last_row > grid.first_row && first(grid.last_row - 1) >= last(grid.last_row - 1)) --grid.last_row;
+    grid.last_column = 0;
+    grid.first_column = grid.columns;
+    for (int y = grid.first_row; y < grid.last_row; ++y) {
+        if (first(y) >= last(y)) continue;
+        grid.first_column = std::clamp(first(y), 0, grid.first_column);
+        grid.last_column = std::clamp(last(y), grid.last_column, grid.columns);
+    }
 }
 
 // Opens the targets.
-SightGrid HeightGrid::begin(const Eye& eye, Spans spans) {
+SightGrid HeightGrid::begin(const Eye& eye, const Band& band, Spans spans) {
     const int width = (grid_.columns - 1) * SUBCELLS, depth = (grid_.rows - 1) * SUBCELLS;
     require(eye.x >= 0 && eye.x <= width && eye.y >= 0 && eye.y <= depth, "eye: must lie over the grid");
     require(std::abs(eye.height) < MAX_GRID_HEIGHT && eye.target_height >= 0 && eye.target_height < MAX_GRID_HEIGHT,
             "eye: heights must be below 2^25 steps");
-    require(spans.size() == 2 * std::size_t(grid_.rows), "spans: must be two columns for each row");
     SightGrid grid = grid_;
     grid.eye_x = eye.x;
     grid.eye_y = eye.y;
     grid.eye_height = eye.height;
     grid.target_height = eye.target_height;
-    const auto is_target_row = [&](int y) { return spans[2 * std::size_t(y)] < spans[2 * std::size_t(y) + 1]; };
-    grid.last_row = grid.rows;
-    while (grid.first_row < grid.rows && !is_target_row(grid.first_row)) ++grid.first_row;
-    while (grid.last_row > grid.first_row && !is_target_row(grid.last_row - 1)) --grid.last_row;
-    grid.last_column = 0;
-    grid.first_column = grid.columns;
-    for (int y = grid.first_row; y < grid.last_row; ++y) {
-        if (!is_target_row(y)) continue;
-        grid.first_column = std::clamp(spans[2 * std::size_t(y)], 0, grid.first_column);
-        grid.last_column = std::clamp(spans[2 * std::size_t(y) + 1], grid.last_column, grid.columns);
-    }
+    grid.band_first = band.first_row;
+    grid.band_last = band.last_row;
+    set_box(grid, spans);
     cl::Session& session = session_of(device_);
     session.upload(spans_, spans);
-    answers_.reserve(session, cells());
-    session.launch(lines_file, "sight_begin", cl::Range::items(cells()), grid, heights_, spans_, answers_);
+    answers_.reserve(session, cells_of(band));
+    session.launch(lines_file, "sight_begin", cl::Range::items(cells_of(band) / 16 + 1), grid, cl_uint(has_absent_),
+                   targets_, spans_, answers_);
     return grid;
 }
 
 // The quadrant whose lines are rows (or columns) in one direction from the eye. Coordinates are mirrored where they
 // fall with the distance, so that a + b is constant along diagonals.
-void HeightGrid::sweep(const SightGrid& grid, bool is_along_y, int direction) {
+SweepQuadrant HeightGrid::quadrant(const SightGrid& grid, bool is_along_y, int direction) {
     const int eye_a = direction * (is_along_y ? grid.eye_y : grid.eye_x);
     const int eye_b = direction * (is_along_y ? grid.eye_x : grid.eye_y);
     const int line = floor_divided(eye_a, SUBCELLS), vertex = floor_divided(eye_b, SUBCELLS);
-    const int last_vertex = (is_along_y ? grid.columns : grid.rows) - 1;
-    const int first_target = is_along_y ? grid.first_row : grid.first_column;
-    const int last_target = (is_along_y ? grid.last_row : grid.last_column) - 1;
+    const int vertices = is_along_y ? grid.columns : grid.rows;
+    // From the eye's line or vertex on, the first and the last of a range of columns or rows.
+    const auto from_eye = [&](int first, int last, int eye) {
+        return direction > 0 ? std::pair(first - eye, last - 1 - eye) : std::pair(1 - last - eye, -first - eye);
+    };
     SweepQuadrant of{};
     of.line_stride = direction * (is_along_y ? grid.columns : 1);
     of.vertex_stride = direction * (is_along_y ? 1 : grid.columns);
-    of.origin = line * of.line_stride + vertex * of.vertex_stride;
-    of.lines = (direction > 0 ? last_target : -first_target) - line;
-    if (of.lines <= 0) return;
-    of.first_b = (direction > 0 ? 0 : -last_vertex) - vertex;
-    of.last_b = (direction > 0 ? last_vertex : 0) - vertex;
-    of.wedges = std::max(2 * of.lines, 64);
-    of.eye_a = float(eye_a - line * SUBCELLS) / SUBCELLS;
-    of.eye_b = float(eye_b - vertex * SUBCELLS) / SUBCELLS;
-    of.wedge_u = 2.0f / float(of.wedges);
-    of.first_u = -1.0f + 0.63f * of.wedge_u;  // simple quotients, which many targets have, lie inside wedges
-    of.wedges -= 1;  // the last one ends below 1: a ray crosses one edge of constant b per line
+    of.origin = std::int64_t(line) * of.line_stride + std::int64_t(vertex) * of.vertex_stride;
+    std::tie(of.first_line, of.lines) = is_along_y ? from_eye(grid.first_row, grid.last_row, line)
+                                                   : from_eye(grid.first_column, grid.last_column, line);
+    std::tie(of.first_target_b, of.last_target_b) = is_along_y ? from_eye(grid.first_column, grid.last_column, vertex)
+                                                               : from_eye(grid.first_row, grid.last_row, vertex);
+    std::tie(of.first_b, of.last_b) = from_eye(0, vertices, vertex);
+    of.eye_a = eye_a - line * SUBCELLS;
+    of.eye_b = eye_b - vertex * SUBCELLS;
     of.nearest = direction * line;
     of.vertex_of_eye = direction * vertex;
     of.direction = direction;
-    const std::size_t groups = (std::size_t(of.wedges) + SWEEP_WEDGES - 1) / SWEEP_WEDGES;
-    session_of(device_).launch("sight/sight_sweep.cl", "sight_sweep", cl::Range::shares(groups), grid, of, heights_,
-                               patch_tops_, answers_);
+    set_wedges(of);
+    return of;
 }
 
-void HeightGrid::decide(const SightGrid& grid, bool sweeps) {
-    if (sweeps)
-        for (const bool is_along_y : {false, true})
-            for (const int direction : {1, -1}) sweep(grid, is_along_y, direction);
-    const std::size_t targets = std::size_t(grid.last_row - grid.first_row) * std::size_t(grid.columns);
-    session_of(device_).launch(lines_file, "sight_decide", cl::Range::shares(targets), grid, heights_, patch_tops_,
-                               answers_);
+// The wedges that lie between u = -1 and 1, and of them those that have targets.
+void HeightGrid::set_wedges(SweepQuadrant& of) {
+    if (of.lines <= 0 || of.first_target_b > of.last_target_b) return;
+    constexpr int whole = 1 << U_BITS;
+    of.wedge_u = whole / std::max(of.lines, 32);  // so there are 64 wedges or more
+    of.first_u = -of.wedge_u * 3 / 8 - whole;     // few rays meet vertices
+    of.wedges = (whole - of.first_u - 1) / of.wedge_u + 1;
+    of.last_u = std::abs(of.line_stride) == 1 ? whole : whole - 1;
+    const double near = double(std::max(of.first_line, 1)) - double(of.eye_a) / SUBCELLS;
+    const double far = double(of.lines) - double(of.eye_a) / SUBCELLS, eye_b = double(of.eye_b) / SUBCELLS;
+    const double low = of.first_target_b - eye_b, high = of.last_target_b - eye_b;
+    const double first_u = std::max(low / (low > 0 ? far : near), -1.0),
+                 last_u = std::min(high / (high > 0 ? near : far), 1.0);
+    const auto wedge_of = [&](double u) { return int(std::floor((u * whole - of.first_u) / of.wedge_u)); };
+    constexpr int least = 15;  // a CPU's group has as many
+    const int skipped = std::clamp(wedge_of(first_u) - 1, 0, of.wedges - least);
+    of.wedges = std::clamp(wedge_of(last_u) + 2 - skipped, least, of.wedges - skipped);
+    of.first_u += skipped * of.wedge_u;
 }
 
-std::vector<std::uint8_t> HeightGrid::look(const Eye& eye, Spans spans, bool sweeps) {
-    decide(begin(eye, spans), sweeps);
-    return session_of(device_).read_values<std::uint8_t>(answers_.get(), cells());
-}
-
-std::vector<std::int32_t> HeightGrid::least_heights(const Eye& eye, Spans spans) {
-    const SightGrid grid = begin(eye, spans);
+void HeightGrid::decide(const SightGrid& grid, bool sweeps, const SightSum& sum, const cl::Buffer& counts,
+                        const cl::Buffer& words) {
     cl::Session& session = session_of(device_);
-    const cl::Buffer least(session, cells() * sizeof(cl_int));
-    session.launch(lines_file, "sight_heights", cl::Range::shares(cells()), grid, heights_, patch_tops_, answers_,
-                   least);
-    return session.read_values<std::int32_t>(least.get(), cells());
+    if (sweeps) {
+        const int wedges_of_group = session.is_cpu() ? int(session.lanes()) - 1 : 1;
+        SweepQuadrants quadrants{};
+        int groups = 0;
+        for (int i = 0; i < 4; ++i) {
+            SweepQuadrant& of = quadrants.of[i] = quadrant(grid, i / 2 == 0, i % 2 != 0 ? -1 : 1);
+            groups += (of.wedges + wedges_of_group - 1) / wedges_of_group;
+            of.end_group = groups;
+        }
+        if (groups > 0)
+            session.launch("sight/sight_sweep.cl", "sight_sweep", cl::Range::shares(std::size_t(groups)), grid,
+                           quadrants, heights_.get(), patch_tops_, answers_);
+    }
+    const std::size_t targets = std::size_t(grid.band_last - grid.band_first) * std::size_t(grid.columns);
+    session.launch(lines_file, "sight_decide", cl::Range::shares(targets), grid, sum, heights_.get(), patch_tops_,
+                   answers_, counts, words);
 }
 
-HeightGrid::Seen HeightGrid::look_from(std::span<const Eye> eyes, Spans spans, bool wants_words,
+HeightGrid::Band HeightGrid::checked(const Band& band, Spans spans, std::size_t eyes) const {
+    require(band.first_row >= 0 && band.first_row < band.last_row && band.last_row <= grid_.rows,
+            "rows: must be some of the grid's");
+    require(spans.size() == eyes * 2 * std::size_t(band.last_row - band.first_row),
+            "spans: must be two columns for each row, of each eye");
+    return band;
+}
+
+std::vector<std::uint8_t> HeightGrid::look(const Eye& eye, const Band& band, Spans spans, bool sweeps) {
+    cl::Session& session = session_of(device_);
+    const cl::Buffer none(session, sizeof(cl_uint));
+    decide(begin(eye, checked(band, spans, 1), spans), sweeps, {}, none, none);
+    return session.read_values<std::uint8_t>(answers_.get(), cells_of(band));
+}
+
+std::vector<std::int32_t> HeightGrid::least_heights(const Eye& eye, const Band& band, Spans spans) {
+    const SightGrid grid = begin(eye, checked(band, spans, 1), spans);
+    cl::Session& session = session_of(device_);
+    const std::size_t cells = cells_of(band);
+    const cl::Buffer least(session, cells * sizeof(cl_int));
+    session.launch(lines_file, "sight_heights", cl::Range::shares(cells), grid, heights_.get(), patch_tops_, answers_,
+                   least);
+    return session.read_values<std::int32_t>(least.get(), cells);
+}
+
+HeightGrid::Seen HeightGrid::look_from(std::span<const Eye> eyes, const Band& band, Spans spans, bool wants_words,
                                        const std::function<bool(double)>& progress) {
-    const std::size_t each = 2 * std::size_t(grid_.rows);
-    require(spans.size() == each * eyes.size(), "spans: must be those of each eye");
+    checked(band, spans, eyes.size());
+    const std::size_t each = 2 * std::size_t(band.last_row - band.first_row), cells = cells_of(band);
     cl::Session& session = session_of(device_);
     cl::Buffer counts, words;
-    session.reserve_filled(counts, 0, cells() * sizeof(cl_uint));
+    session.reserve_filled(counts, 0, cells * sizeof(cl_uint));
     if (!wants_words) words.reserve(session, sizeof(cl_uint));
     Seen seen;
     for (std::size_t i = 0; i < eyes.size(); ++i) {
-        if (wants_words && i % 32 == 0) session.reserve_filled(words, 0, cells() * sizeof(cl_uint));
-        decide(begin(eyes[i], spans.subspan(i * each, each)), true);
-        session.launch(lines_file, "sight_add", cl::Range::items(cells()), cl_ulong(cells()), cl_uint(i % 32),
-                       cl_uint(wants_words), answers_, counts, words);
+        if (wants_words && i % 32 == 0) session.reserve_filled(words, 0, cells * sizeof(cl_uint));
+        decide(begin(eyes[i], band, spans.subspan(i * each, each)), true, {cl_uint(i % 32), 1, cl_uint(wants_words)},
+               counts, words);
         if (wants_words && (i % 32 == 31 || i + 1 == eyes.size())) {
-            const auto plane = session.read_values<std::uint32_t>(words.get(), cells());
+            const auto plane = session.read_values<std::uint32_t>(words.get(), cells);
             seen.words.insert(seen.words.end(), plane.begin(), plane.end());
         }
         session.finish();
         if (progress && !progress(double(i + 1) / double(eyes.size()))) throw Cancelled("cancelled");
     }
-    seen.counts = session.read_values<std::uint32_t>(counts.get(), cells());
+    seen.counts = session.read_values<std::uint32_t>(counts.get(), cells);
     return seen;
 }
 

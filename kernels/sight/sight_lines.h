@@ -33,7 +33,10 @@
 #define SIGHT_HIDDEN 0u
 #define SIGHT_SEEN 1u
 #define SIGHT_OPEN 2u
-#define SIGHT_ABSENT 3u
+
+// What is found of the heights.
+#define FOUND_ABSENT 1u
+#define FOUND_WRONG 2u
 
 GN_STRUCT_BEGIN(SightGrid)
     int columns, rows;
@@ -42,4 +45,10 @@ GN_STRUCT_BEGIN(SightGrid)
     int eye_height;                                      // steps
     int target_height;                                   // steps above the ground
     int first_column, first_row, last_column, last_row;  // the box of the targets, its end exclusive
-GN_STRUCT_END(SightGrid, 48)
+    int band_first, band_last;                           // the rows that have answers
+GN_STRUCT_END(SightGrid, 56)
+
+// Where an eye's answers are added: the counts of each cell, and bit `bit` of its word.
+GN_STRUCT_BEGIN(SightSum)
+    uint bit, has_counts, has_words;
+GN_STRUCT_END(SightSum, 12)

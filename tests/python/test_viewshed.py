@@ -66,6 +66,28 @@ def at(place, rows):
     return [float(place[0]), rows - 1 - float(place[1])]
 
 
+@pytest.mark.parametrize("dtype", [np.float32, np.float64, np.int16])
+@pytest.mark.parametrize("shape", [(37, 53), (300, 421)])
+def test_heights_are_rounded_once_to_the_nearest_step(dtype, shape):
+    """In double, each operation by itself: by NumPy. Halves go up."""
+    heights = np.random.default_rng(2).uniform(-900, 2000, shape).astype(dtype)
+    heights[3, 4:9] += dtype(1) if dtype == np.int16 else np.array([0.5, 1.5, 2.5, -0.5, -1.5]) * STEP
+    if dtype != np.int16:
+        heights[::7, ::5] = np.nan
+    x, y = 7e5 + 30.0 * np.arange(shape[1]), 5e6 - 20.0 * np.arange(shape[0])
+    for refraction in (None, 1 / 7):
+        ground = gnomon.ViewshedGrid(heights, x=x, y=y, refraction=refraction, lattice=STEP).ground
+        bent = heights.astype(np.float64) - ground.base
+        if refraction is not None:
+            d2 = (x[None, :] - (x[0] + x[-1]) / 2) ** 2 + (y[:, None] - (y[0] + y[-1]) / 2) ** 2
+            bent = bent - (1 - refraction) / (2 * gnomon.EARTH_RADIUS) * d2
+        steps = np.floor(np.ldexp(bent, 10) + 0.5)
+        there = np.isfinite(bent)
+        assert (ground.is_absent == ~there).all() and (ground.steps[there] == steps[there]).all()
+        assert (ground.steps[~there] == np.iinfo(np.int32).min).all()
+        assert ground.largest_move == np.abs(np.ldexp(steps, -10) - bent)[there].max()
+
+
 @pytest.mark.parametrize("target", [0, 700])
 @pytest.mark.parametrize("name", RASTERS)
 def test_every_cell_is_the_exact_answer(name, target):
@@ -103,8 +125,8 @@ def test_the_sweep_changes_no_answer(name):
             eyes, _ = ground.eyes(place[None], [1.0, 40.0][i % 2], [0, 3.0][i % 3 == 0])
         except ValueError:
             continue
-        spans = ground.spans(place[None], None)
-        swept, followed = (grid._device.call(grid._native.look, eyes, spans, sweeps) for sweeps in (True, False))
+        spans = ground.spans(place[None], None, (0, 150))
+        swept, followed = (grid._device.call(grid._native.look, eyes, (0, 150), spans, s) for s in (True, False))
         assert (swept == followed).all(), f"{(swept != followed).sum()} cells of observer {place}"
         shares.append((followed == 1).mean())
     assert len(shares) >= 4 and 0.001 < np.mean(shares) < 0.999

@@ -36,6 +36,7 @@ std::vector<std::int32_t> whole_rows(int rows, int columns) {
 }
 
 constexpr int rows = 120, columns = 170;
+constexpr gnomon::HeightGrid::Band all_rows{0, rows};
 
 TEST(HeightGrid, SameAnswersWithEveryKernel) {
     const Heights heights = hills(rows, columns, 1);
@@ -43,19 +44,21 @@ TEST(HeightGrid, SameAnswersWithEveryKernel) {
     const gnomon::Eye eyes[] = {{85 * SUBCELLS, 60 * SUBCELLS, 2500, 0},
                                 {85 * SUBCELLS + 100, 59 * SUBCELLS + 31, 1500, 200},
                                 {3 * SUBCELLS + 1, 2 * SUBCELLS, 30000, 0},
-                                {169 * SUBCELLS, 119 * SUBCELLS, 22100, 100}};
+                                {169 * SUBCELLS, 119 * SUBCELLS, 22100, 100},
+                                {30 * SUBCELLS + 77, 71 * SUBCELLS + 77, 7000, 0}};
     gnomon::HeightGrid first(device_with(), heights, columns);
     for (const gnomon::Eye& eye : eyes) {
-        const auto expected = first.look(eye, spans, false);
+        const auto expected = first.look(eye, all_rows, spans, false);
         const auto seen = std::ranges::count(expected, std::uint8_t(SIGHT_SEEN));
         EXPECT_GT(seen, rows * columns / 100);
         EXPECT_LT(seen, rows * columns * 9 / 10);
-        EXPECT_EQ(first.look(eye, spans), expected);
+        EXPECT_EQ(first.look(eye, all_rows, spans), expected);
         for (const bool gpu_kernels : {false, true})
             for (const bool sweeps : {false, true})
-                EXPECT_EQ(gnomon::HeightGrid(device_of(gpu_kernels), heights, columns).look(eye, spans, sweeps),
-                          expected);
-        EXPECT_EQ(gnomon::HeightGrid(device_with(3), heights, columns).look(eye, spans), expected);
+                EXPECT_EQ(
+                    gnomon::HeightGrid(device_of(gpu_kernels), heights, columns).look(eye, all_rows, spans, sweeps),
+                    expected);
+        EXPECT_EQ(gnomon::HeightGrid(device_with(3), heights, columns).look(eye, all_rows, spans), expected);
     }
 }
 
@@ -64,7 +67,7 @@ TEST(HeightGrid, LeastHeightsBehindAWall) {
     Heights heights(32 * 40, 0);
     for (int y = 0; y < 32; ++y) heights[y * 40 + 10] = 1000;
     gnomon::HeightGrid grid(device_with(), heights, 40);
-    const auto least = grid.least_heights({5 * SUBCELLS, 16 * SUBCELLS, 500, 0}, whole_rows(32, 40));
+    const auto least = grid.least_heights({5 * SUBCELLS, 16 * SUBCELLS, 500, 0}, {0, 32}, whole_rows(32, 40));
     for (int x = 0; x < 40; ++x) {
         // From 500 at column 5 over 1,000 at column 10, and strictly above: 500 + 100 (x - 5) + 1.
         const int expected = x <= 10 ? 0 : 1 + 100 * x;
@@ -73,11 +76,11 @@ TEST(HeightGrid, LeastHeightsBehindAWall) {
     const std::size_t behind = 16 * 40 + 20;
     for (const int raised : {2000, 2001}) {  // a line that touches the wall's edge is blocked
         const unsigned expected = raised == 2000 ? SIGHT_HIDDEN : SIGHT_SEEN;
-        EXPECT_EQ(grid.look({5 * SUBCELLS, 16 * SUBCELLS, 500, raised}, whole_rows(32, 40))[behind], expected);
+        EXPECT_EQ(grid.look({5 * SUBCELLS, 16 * SUBCELLS, 500, raised}, {0, 32}, whole_rows(32, 40))[behind], expected);
     }
     heights[16 * 40 + 6] = MAX_GRID_HEIGHT - 1;
     gnomon::HeightGrid steep(device_with(), heights, 40);
-    const auto none = steep.least_heights({6 * SUBCELLS - 1, 16 * SUBCELLS, -1000, 0}, whole_rows(32, 40));
+    const auto none = steep.least_heights({6 * SUBCELLS - 1, 16 * SUBCELLS, -1000, 0}, {0, 32}, whole_rows(32, 40));
     EXPECT_EQ(none[16 * 40 + 39], INT_MAX) << "no height up to 2^31 serves";
 }
 
@@ -85,18 +88,45 @@ TEST(HeightGrid, SpansLimitTheTargets) {
     const Heights heights = hills(rows, columns, 2);
     gnomon::HeightGrid grid(device_with(), heights, columns);
     const gnomon::Eye eye{85 * SUBCELLS, 60 * SUBCELLS, 4000, 0};
-    const auto all = grid.look(eye, whole_rows(rows, columns));
+    const auto all = grid.look(eye, all_rows, whole_rows(rows, columns));
     std::vector<std::int32_t> spans;
     for (int y = 0; y < rows; ++y)
         spans.insert(spans.end(), {y < 40 || y > 90 ? 0 : 60 + y % 3, y < 40 || y > 90 ? 0 : 99});
-    const auto some = grid.look(eye, spans);
+    const auto some = grid.look(eye, all_rows, spans);
     for (int y = 0; y < rows; ++y)
         for (int x = 0; x < columns; ++x) {
             const std::size_t at = std::size_t(y) * columns + std::size_t(x);
             const bool is_target = x >= spans[2 * std::size_t(y)] && x < spans[2 * std::size_t(y) + 1];
-            const std::uint8_t beyond = all[at] == SIGHT_ABSENT ? SIGHT_ABSENT : SIGHT_HIDDEN;
-            ASSERT_EQ(some[at], is_target ? all[at] : beyond) << x << ' ' << y;
+            ASSERT_EQ(some[at], is_target ? all[at] : SIGHT_HIDDEN) << x << ' ' << y;
         }
+}
+
+// Any division into bands gives the rows of the whole; a band is all that the spans are of.
+TEST(HeightGrid, BandsAreTheRowsOfTheWhole) {
+    const Heights heights = hills(rows, columns, 3);
+    for (const bool gpu_kernels : {false, true}) {
+        gnomon::HeightGrid grid(device_of(gpu_kernels), heights, columns);
+        for (const gnomon::Eye& eye : {gnomon::Eye{85 * SUBCELLS, 60 * SUBCELLS + 7, 4000, 0},
+                                       gnomon::Eye{2 * SUBCELLS + 200, 119 * SUBCELLS, 30000, 50}}) {
+            const auto whole = grid.look(eye, all_rows, whole_rows(rows, columns));
+            const auto heights_of_whole = grid.least_heights(eye, all_rows, whole_rows(rows, columns));
+            for (const int each : {1, 7, 32, 61}) {
+                std::vector<std::uint8_t> joined;
+                std::vector<std::uint32_t> counts;
+                std::vector<std::int32_t> least;
+                for (int first = 0; first < rows; first += each) {
+                    const gnomon::HeightGrid::Band band{first, std::min(first + each, rows)};
+                    const auto spans = whole_rows(band.last_row - first, columns);
+                    std::ranges::copy(grid.look(eye, band, spans), std::back_inserter(joined));
+                    std::ranges::copy(grid.least_heights(eye, band, spans), std::back_inserter(least));
+                    std::ranges::copy(grid.look_from({&eye, 1}, band, spans, true).words, std::back_inserter(counts));
+                }
+                EXPECT_EQ(joined, whole) << each;
+                EXPECT_EQ(least, heights_of_whole) << each;
+                for (std::size_t i = 0; i < counts.size(); ++i) ASSERT_EQ(counts[i], whole[i] == SIGHT_SEEN) << i;
+            }
+        }
+    }
 }
 
 TEST(HeightGrid, RefusesWhatIsOutOfRange) {
@@ -107,10 +137,12 @@ TEST(HeightGrid, RefusesWhatIsOutOfRange) {
     EXPECT_THROW(gnomon::HeightGrid(device, Heights(16, MAX_GRID_HEIGHT), 4), gnomon::InvalidArgument);
     gnomon::HeightGrid grid(device, flat, 4);
     const auto spans = whole_rows(4, 4);
-    EXPECT_THROW(grid.look({-1, 0, 5, 0}, spans), gnomon::InvalidArgument);
-    EXPECT_THROW(grid.look({0, 3 * SUBCELLS + 1, 5, 0}, spans), gnomon::InvalidArgument);
-    EXPECT_THROW(grid.look({0, 0, 5, -1}, spans), gnomon::InvalidArgument);
-    EXPECT_THROW(grid.look({0, 0, 5, 0}, whole_rows(3, 4)), gnomon::InvalidArgument);
+    EXPECT_THROW(grid.look({-1, 0, 5, 0}, {0, 4}, spans), gnomon::InvalidArgument);
+    EXPECT_THROW(grid.look({0, 3 * SUBCELLS + 1, 5, 0}, {0, 4}, spans), gnomon::InvalidArgument);
+    EXPECT_THROW(grid.look({0, 0, 5, -1}, {0, 4}, spans), gnomon::InvalidArgument);
+    EXPECT_THROW(grid.look({0, 0, 5, 0}, {0, 4}, whole_rows(3, 4)), gnomon::InvalidArgument);
+    EXPECT_THROW(grid.look({0, 0, 5, 0}, {2, 5}, whole_rows(3, 4)), gnomon::InvalidArgument);
+    EXPECT_THROW(grid.look({0, 0, 5, 0}, {2, 2}, {}), gnomon::InvalidArgument);
 }
 
 }  // namespace

@@ -92,23 +92,6 @@ def _per_observer(value: Any, count: int, name: str) -> NDArray[np.float64]:
     return np.broadcast_to(values, (count,))
 
 
-def _parts_of(rows: int) -> list[slice]:
-    return [slice(first, min(first + 64, rows)) for first in range(0, rows, 64)]
-
-
-def _extremes_of(heights: NDArray[Any]) -> tuple[float, float]:
-    """The least and the greatest finite height. Raises ValueError if there is none."""
-    low, high = math.inf, -math.inf
-    for rows in _parts_of(len(heights)):
-        part = heights[rows]
-        is_there = np.isfinite(part)
-        low = min(low, float(part.min(where=is_there, initial=np.inf)))
-        high = max(high, float(part.max(where=is_there, initial=-np.inf)))
-    if low > high:
-        raise ValueError("heights: there is none")
-    return low, high
-
-
 class _Ground:
     """A raster, north up, in whole steps of heights below a common bending; and the same where nodata is filled."""
 
@@ -119,25 +102,18 @@ class _Ground:
         x, y = columns.places(), rows.places()
         self._centre = (x[0] + x[-1]) / 2, (y[0] + y[-1]) / 2
         self._per_square = per_square
-        low, high = _extremes_of(heights)
+        low, high = _gnomon.range_of_heights(heights)
+        if low > high:
+            raise ValueError("heights: there is none")
         low -= float(self.drop(x[0], y[0]))  # the deepest
         self.exponent = _exponent_of(lattice, high - low)
         self.base = math.floor((low + high) / 2)
         self.steps = np.empty(heights.shape, np.int32)
         self.is_absent = np.empty(heights.shape, bool)
-        self.largest_move = 0.0
-        for rows_of_part in _parts_of(rows.size):  # parts stay in the processor's cache
-            bent = heights[rows_of_part].astype(np.float64)
-            bent -= self.base
-            if per_square:
-                bent -= self.drop(x[None, :], y[rows_of_part, None])
-            steps = np.floor(np.ldexp(bent, -self.exponent) + 0.5)
-            is_there = np.isfinite(bent)
-            moved = np.abs(np.ldexp(steps, self.exponent) - bent)
-            self.largest_move = max(self.largest_move, float(moved.max(where=is_there, initial=0)))
-            self.is_absent[rows_of_part] = ~is_there
-            steps[~is_there] = _NONE
-            self.steps[rows_of_part] = steps
+        across, along = (x - self._centre[0]) ** 2, (y - self._centre[1]) ** 2
+        self.largest_move = _gnomon.round_heights(
+            heights, self.base, per_square, across, along, self.exponent, self.steps, self.is_absent
+        )
 
     def drop(self, x: Any, y: Any) -> Any:
         """The depth of the bending: the Earth's curvature less refraction around the raster's centre."""
@@ -200,15 +176,16 @@ class _Ground:
         result: NDArray[np.int64] = -(-(corners * weights).sum(axis=0) // _SUBCELLS)
         return result
 
-    def spans(self, observers: NDArray[np.float64], distance: Any) -> NDArray[np.int32]:
-        """(M, R, 2): the first column of each row within each observer's distance, and the one after the last."""
-        count, rows = len(observers), self.rows.size
+    def spans(self, observers: NDArray[np.float64], distance: Any, band: tuple[int, int]) -> NDArray[np.int32]:
+        """(M, R, 2): the first column of each row of a band within each observer's distance, and the one after the
+        last."""
+        count, rows = len(observers), band[1] - band[0]
         if distance is None:
             return np.broadcast_to(np.array([0, self.columns.size], np.int32), (count, rows, 2)).copy()
         reach = _per_observer(distance, count, "distance")[:, None]
         if (reach < 0).any():
             raise ValueError(f"distance: must be at least 0, not {reach.min():g}")
-        across = self.rows.places()[None, :] - observers[:, 1:2]
+        across = self.rows.places()[None, slice(*band)] - observers[:, 1:2]
         half = np.sqrt(np.maximum(reach**2 - across**2, 0))
         x = self.columns.places()
         first = np.searchsorted(x, observers[:, :1] - half, "left")
@@ -229,6 +206,58 @@ def _exponent_of(lattice: float | None, extent: float) -> int:
     if extent / 2 + 1 > math.ldexp(_LIMIT / 2, exponent - 1):
         raise ValueError(f"lattice: steps of {lattice:g} hold no heights that differ by {extent:g}: take larger ones")
     return exponent - 1
+
+
+def _checked(values: NDArray[Any], nodata: float | None) -> NDArray[Any]:
+    """The heights as float32 or float64, NaN where they are `nodata`. Raises ValueError for a height that stands for no
+    data."""
+    if nodata is not None:
+        is_there = values != nodata
+        real = values.dtype if values.dtype.kind == "f" else np.dtype(np.float64)
+        _arrays.require_heights(values, is_there, "nodata={}")
+        return np.where(is_there, values, np.array(np.nan, real)).astype(_real_of(real), copy=False)
+    if values.dtype in (np.float32, np.float64):
+        low, high = _gnomon.range_of_heights(np.ascontiguousarray(values))
+        if low > -9999 and high < 32767:
+            return values  # no height is one that stands for no data
+    _arrays.require_heights(values, np.ones(values.shape, bool), "nodata={}")
+    return values.astype(_real_of(values.dtype), copy=False)
+
+
+def _real_of(dtype: np.dtype[Any]) -> type[np.float32] | type[np.float64]:
+    """The type of floats that holds all values."""
+    return np.float32 if dtype.kind == "f" and dtype.itemsize <= 4 else np.float64
+
+
+def rounded_ground(
+    heights: Any,
+    *,
+    x: Any = None,
+    y: Any = None,
+    cell: Any = None,
+    nodata: float | None = None,
+    refraction: float | None = REFRACTION,
+    radius: float = EARTH_RADIUS,
+    lattice: float | None = None,
+) -> _Ground:
+    """The raster of a ViewshedGrid, on the host. Raises ValueError with the argument's name."""
+    values = np.asarray(_arrays.on_host(heights, "heights"))
+    side = _gnomon.MAX_GRID_SIDE
+    if values.ndim != 2 or min(values.shape) < 2 or max(values.shape) > side:
+        raise ValueError(f"heights: shape {values.shape} is not (R, C) of 2 to {side} each")
+    _arrays.require_real(values, "heights")
+    if (x is None) != (y is None) or (x is None) == (cell is None):
+        raise ValueError("give either x= and y=, the centres of the cells, or cell=, their size")
+    if not radius > 0 or refraction is not None and not refraction < 1:
+        raise ValueError("radius, refraction: radius must be above 0 and refraction below 1, or None for a plane")
+    width, depth = np.broadcast_to(np.asarray(1.0 if cell is None else cell, np.float64), (2,))
+    if not (width > 0 and depth > 0):
+        raise ValueError("cell: must be above 0")
+    columns = _axis_of(x, values.shape[1], "x", float(width))
+    rows = _axis_of(y, values.shape[0], "y", -float(depth))
+    heights = np.ascontiguousarray(_turned(_checked(values, nodata), rows, columns))
+    per_square = 0.0 if refraction is None else per_square_of(refraction, radius)
+    return _Ground(heights, rows, columns, per_square, lattice)
 
 
 class ViewshedGrid:
@@ -252,30 +281,9 @@ class ViewshedGrid:
         lattice: float | None = None,
         device: str | Device | None = None,
     ) -> None:
-        values = np.asarray(_arrays.on_host(heights, "heights"))
-        side = _gnomon.MAX_GRID_SIDE
-        if values.ndim != 2 or min(values.shape) < 2 or max(values.shape) > side:
-            raise ValueError(f"heights: shape {values.shape} is not (R, C) of 2 to {side} each")
-        _arrays.require_real(values, "heights")
-        if (x is None) != (y is None) or (x is None) == (cell is None):
-            raise ValueError("give either x= and y=, the centres of the cells, or cell=, their size")
-        if not radius > 0 or refraction is not None and not refraction < 1:
-            raise ValueError("radius, refraction: radius must be above 0 and refraction below 1, or None for a plane")
-        width, depth = np.broadcast_to(np.asarray(1.0 if cell is None else cell, np.float64), (2,))
-        if not (width > 0 and depth > 0):
-            raise ValueError("cell: must be above 0")
-        columns = _axis_of(x, values.shape[1], "x", float(width))
-        rows = _axis_of(y, values.shape[0], "y", -float(depth))
-        is_there = np.isfinite(values)
-        if nodata is not None:
-            is_there &= values != nodata
-        _arrays.require_heights(values, is_there, "nodata={}")
-        if values.dtype.kind != "f":
-            values = values.astype(np.float64)
-        if not is_there.all():
-            values = np.where(is_there, values, np.nan)
-        per_square = 0.0 if refraction is None else per_square_of(refraction, radius)
-        self._ground = _Ground(_turned(values, rows, columns), rows, columns, per_square, lattice)
+        self._ground = rounded_ground(
+            heights, x=x, y=y, cell=cell, nodata=nodata, refraction=refraction, radius=radius, lattice=lattice
+        )
         self._device = device_of(device)
         self._native = self._uploaded(self._ground.steps)
         self._filled = functools.lru_cache(maxsize=1)(lambda outside: self._uploaded(self._ground.filled(outside)))
@@ -289,6 +297,16 @@ class ViewshedGrid:
     def __reduce__(self) -> Any:
         raise TypeError("a gnomon.ViewshedGrid lies on its device and cannot be copied or pickled: make it from its "
                         "heights in the other process")  # fmt: skip
+
+    @property
+    def device(self) -> Device:
+        """Where it lies."""
+        return self._device
+
+    @property
+    def ground(self) -> _Ground:
+        """The rounded raster, on the host."""
+        return self._ground
 
     def _uploaded(self, steps: NDArray[np.int32]) -> Any:
         make = _gnomon.HeightGrid
@@ -308,26 +326,47 @@ class ViewshedGrid:
         """viewshed() of this raster."""
         places = _observers_of(observers)
         ground = self._ground
+        rows = (0, ground.rows.size)
+        found = self.band(rows, places, height, target_height, distance, outside=outside, bits=bits, progress=progress)
+        arrays: list[Any] = [None if a is None else _turned(a, ground.rows, ground.columns) for a in found[:5]]
+        return Viewshed._make([*arrays, found.observer_count, found.record])
+
+    def band(
+        self,
+        rows: tuple[int, int],
+        places: NDArray[np.float64],
+        height: Any,
+        target_height: Any,
+        distance: Any,
+        *,
+        outside: float | None = None,
+        bits: bool = False,
+        progress: Callable[[float], object] | None = None,
+    ) -> Viewshed:
+        """viewshed() of some rows alone, counted from the north and in this order, the end exclusive: what it answers
+        does not depend on them."""
+        ground = self._ground
         eyes, moved = ground.eyes(places, height, target_height)
-        spans = ground.spans(places, distance)
-        shape = (ground.rows.size, ground.columns.size)
+        spans = ground.spans(places, distance, rows)
+        shape = (rows[1] - rows[0], ground.columns.size)
 
         def look(native: Any) -> tuple[NDArray[np.uint32], NDArray[np.uint32]]:
-            counts, words = self._device.call(native.look_from, eyes, spans, bits, progress)
-            return (
-                _turned(counts.reshape(shape), ground.rows, ground.columns),
-                _turned(words.reshape(-1, *shape), ground.rows, ground.columns),
-            )
+            if len(eyes) == 1 and progress is None:  # a byte a cell is read
+                seen = self._device.call(native.look, eyes, rows, spans, True).reshape(shape)
+                counts = seen.astype(np.uint32)  # 1: seen, 0: not
+                return counts, counts[None].copy() if bits else np.empty((0, *shape), np.uint32)
+            counts, words = self._device.call(native.look_from, eyes, rows, spans, bits, progress)
+            return counts.reshape(shape), words.reshape(-1, *shape)
 
         counts, words = look(self._native)
-        undecided, open_words = np.zeros_like(counts), np.zeros_like(words)
+        undecided, open_words = np.zeros(counts.shape, np.uint32), np.zeros(words.shape, np.uint32)
+        absent = ground.is_absent[slice(*rows)]
         if outside is not None and ground.is_absent.any():
             certain, certain_words = look(self._filled(float(outside)))
-            is_there = ~_turned(ground.is_absent, ground.rows, ground.columns)
-            certain, certain_words = certain * is_there.astype(np.uint32), certain_words * is_there.astype(np.uint32)
+            is_there = (~absent).astype(np.uint32)
+            certain, certain_words = certain * is_there, certain_words * is_there
             undecided, open_words = counts - certain, words & ~certain_words
             counts, words = certain, certain_words
-        absent = _turned(ground.is_absent, ground.rows, ground.columns)
         record = {**self.record, "observers_moved_by_cells": moved, "outside": outside}
         return Viewshed(
             counts, undecided, absent, words if bits else None, open_words if bits else None, len(places), record
@@ -343,13 +382,26 @@ class ViewshedGrid:
         if len(places) != 1:
             raise ValueError(f"observer: shape {places.shape} is not (2,): least heights are those of one observer")
         ground = self._ground
+        metres = self.band_of_least_heights((0, ground.rows.size), places, height, target_height, distance)
+        return _turned(metres, ground.rows, ground.columns)
+
+    def band_of_least_heights(
+        self,
+        rows: tuple[int, int],
+        places: NDArray[np.float64],
+        height: float,
+        target_height: float,
+        distance: float | None,
+    ) -> NDArray[np.float64]:
+        """least_heights() of some rows alone."""
+        ground = self._ground
         eyes, _ = ground.eyes(places, height, target_height)
-        spans = ground.spans(places, distance)
-        steps = self._device.call(self._native.least_heights, eyes, spans).reshape(ground.steps.shape)
+        spans = ground.spans(places, distance, rows)
+        steps = self._device.call(self._native.least_heights, eyes, rows, spans).reshape(-1, ground.columns.size)
         metres = np.ldexp(steps.astype(np.float64), ground.exponent)
         metres[steps == _NONE] = np.nan
         metres[steps == np.iinfo(np.int32).max] = np.inf
-        return _turned(metres, ground.rows, ground.columns)
+        return metres
 
 
 def _observers_of(observers: Any) -> NDArray[np.float64]:

@@ -52,13 +52,17 @@ void DepthMap::draw(cl::Session& session, const MapViews& map_views, DepthPass p
     session.fill(output, pass.pass == PASS_SLOPE ? 0 : EMPTY_KEY, words * sizeof(cl_uint));
     session.fill(chunk_count_, 0, sizeof(cl_uint));
     // A word for each tile of each view (word_of_tile).
-    session.reserve_filled(tile_keys_, EMPTY_KEY,
-                           (map_views.set.texels / 16 + 2 + map_views.set.view_count) * sizeof(cl_uint));
-    session.launch(triangles.kernel(file, "depth_pass_scatter"), clusters_.items(), pass, triangles.vertices,
+    if (pass.pass == PASS_NEAREST)
+        session.reserve_filled(tile_keys_, EMPTY_KEY,
+                               (map_views.set.texels / 16 + 2 + map_views.set.view_count) * sizeof(cl_uint));
+    const cl::LocalBytes waiting{session.work_group_size() * (WAITING_CASTER_WORDS + 1) * sizeof(cl_uint)};
+    session.launch(triangles.kernel(file, "depth_pass_list"), clusters_.items(), pass, triangles.vertices,
                    map_views.views, map_views.tables, clusters_.listed(), keys_, output, chunks_.buffer(), chunk_count_,
-                   clusters_.local(session));
+                   tile_keys_, waiting);
     session.launch(triangles.kernel(file, "depth_pass_chunks"), session.small_groups(), pass, triangles.vertices,
                    map_views.views, map_views.tables, keys_, output, chunks_.buffer(), chunk_count_, tile_keys_);
+    session.launch(triangles.kernel(file, "depth_pass_small"), clusters_.items(), pass, triangles.vertices,
+                   map_views.views, map_views.tables, clusters_.listed(), keys_, output, tile_keys_, waiting);
 }
 
 void DepthMap::run(cl::Session& session, const TriangleInputs& triangles, const MapViews& map_views,

@@ -32,12 +32,9 @@ public:
     const DepthPass& pass() const { return pass_; }
     const cl::Buffer& covers() const { return covers_; }
     const cl::Buffer& listed() const { return listed_; }
-    /// A GPU's work-items over all triangles of all views, and their local memory.
+    /// A GPU's work-items over all triangles of all views.
     cl::Range items() const {
         return cl::Range::items(std::size_t(pass_.view_count) * pass_.cluster_count * CLUSTER_TRIANGLES);
-    }
-    static cl::LocalBytes local(const cl::Session& session) {
-        return {session.work_group_size() * (sizeof(cl_uint2) + sizeof(cl_uint))};
     }
 
 private:
@@ -63,7 +60,7 @@ private:
 
     CasterClusters clusters_;
     cl::Buffer keys_, second_, slopes_, chunk_count_, tile_keys_;
-    GrowingList chunks_{2 * sizeof(cl_uint)};
+    GrowingList chunks_{sizeof(Chunk)};
     std::uint32_t first_capacity_ = 1u << 18;
 };
 

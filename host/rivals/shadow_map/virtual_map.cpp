@@ -239,13 +239,16 @@ private:
         }
         session_.fill(touched_, 0, counted_.pages_requested * sizeof(cl_uint));
         session_.fill(keys_, EMPTY_KEY, words_of(counted_.pages_requested) * sizeof(cl_uint));
+        session_.reserve_filled(tile_keys_, EMPTY_KEY,
+                                std::size_t(counted_.pages_requested) * (PAGE_TEXELS / 16) * sizeof(cl_uint));
         pairs_.reserve(session_, first_pairs);
         pass.pass.chunk_capacity = pairs_.capacity();
         session_.launch(drawn.kernel(file, "virtual_map_scatter"), clusters_.items(), pass, drawn.vertices,
                         level_views_.views, level_views_.tables, clusters_.listed(), page_of_, pages_, touched_, keys_,
-                        counters_, pairs_.buffer(), clusters_.local(session_));
+                        counters_, pairs_.buffer(),
+                        cl::LocalBytes{session_.work_group_size() * (PAGED_CASTER_WORDS + 1) * sizeof(cl_uint)});
         session_.launch(drawn.kernel(file, "virtual_map_pairs"), session_.small_groups(), pass, drawn.vertices,
-                        level_views_.tables, page_of_, pages_, keys_, counters_, pairs_.buffer());
+                        level_views_.tables, page_of_, pages_, keys_, counters_, pairs_.buffer(), tile_keys_);
     }
 
     /// How many of the pages [first, first + count) overlap the rectangle of some caster.
@@ -298,7 +301,7 @@ private:
     Scan scan_;
     std::vector<MapViews> light_views_;  ///< of each light
     MapViews level_views_;
-    cl::Buffer counters_, requested_, page_of_, page_entries_, point_entries_, pages_, touched_, keys_;
+    cl::Buffer counters_, requested_, page_of_, page_entries_, point_entries_, pages_, touched_, keys_, tile_keys_;
     CasterClusters clusters_;
     GrowingList pairs_{2 * sizeof(cl_uint)};
     VirtualCounters counted_{};

@@ -27,20 +27,25 @@
 // The output of a pass.
 #define PASS_NEAREST 0u  // the key of the nearest caster
 #define PASS_SECOND 1u   // the nearest key after the first one (dual depth layers)
-#define PASS_SLOPE 2u    // of the nearest caster: squared depth per texel, dx^2 + dy^2, as float bits (moment bias)
+#define PASS_SLOPE \
+    2u  // of the nearest caster: squared depth per texel, dx^2 + dy^2, as float bits; 0 at clamped depths
 
 // A CPU's work-item owns a window, a square of texels, and draws all that lies in it: no two items write one texel.
 // Clusters of CLUSTER_TRIANGLES neighbours (occluders/clusters.h) whose casters miss a window cost it one comparison.
-// On a GPU an item draws a tiny caster at once; others are cut into chunks of 2^CHUNK_LOG2 texels a side for
-// work-groups, and texels take atomic minima. Both give a texel the same key, since a key is the minimum over all
-// casters.
+// On a GPU large casters are cut into chunks of 2^CHUNK_LOG2 texels a side for work-groups, which first find the tiles
+// that they cover (Hi-Z); a work-group's items share out the texels of small ones, and texels take atomic minima. Both
+// give a texel the same key, since a key is the minimum over all casters.
 #define WINDOW_LOG2 7u
 #define CHUNK_LOG2 6u
 #define TILE_LOG2 4u  // tiles of large casters have texels of one length each
 // If a caster's bounding rectangle has more texels than this, it is large.
 #define SMALL_TEXELS 256u
-// A GPU's item draws a caster with at most this number of texels at once.
+// On a GPU a caster with more than this number of texels is cut into chunks.
+#define CHUNKED_TEXELS 1024u
+// In a GPU's virtual map an item draws a part of a caster with at most this number of texels at once.
 #define TINY_TEXELS 64u
+// Of a GPU's local memory, for each small caster that waits there.
+#define WAITING_CASTER_WORDS 29u
 
 GN_STRUCT_BEGIN(DepthPass)
     TrianglesLayout triangles;
@@ -53,6 +58,12 @@ GN_STRUCT_BEGIN(DepthPass)
     float slope_bias;     // times max(|dz/dx|, |dz/dy|), depth per texel
     float slope_limit;    // the slope-scaled part is at most this
 GN_STRUCT_END(DepthPass, 48)
+
+// A part of a large caster.
+GN_STRUCT_BEGIN(Chunk)
+    uint id, view;
+    uint chunk;  // of the caster's, row by row
+GN_STRUCT_END(Chunk, 12)
 
 #ifndef __cplusplus
 

@@ -86,12 +86,10 @@ __kernel void depth_pass_windows(DepthPass pass, __global const float* vertices,
 }
 #endif
 
-// ---- A GPU: tiny casters at once, chunks of the others --------------------------------------------------------------
+// ---- A GPU: chunks of large casters, then spans of small ones
+// ---------------------------------------------------------
 
 #ifndef GN_CPU
-// An entry of the list has the view above this bit, and the chunk below it.
-#define VIEW_SHIFT 22u
-
 // Lists (view, cluster) of the clusters that may cast something into a view. listed[0].x: 0 before.
 __kernel void depth_pass_clusters(DepthPass pass, __global const ClusterBoxes* boxes, __global const MapView* views,
                                   __global uint2* listed) {
@@ -112,85 +110,151 @@ __kernel void depth_pass_clusters(DepthPass pass, __global const ClusterBoxes* b
     }
 }
 
-// Draws a triangle if it is tiny; returns the number of chunks of any other.
-static uint draw_or_count(Drawing* d, uint id) {
-    Casters caster;
-    MapVertices h[3];
-    if (!load_one_caster(d, id, &caster, h)) return 0u;
-    TexelRectangle covered = covered_by(&caster.covered, 0);
-    if (texels_of(covered) > TINY_TEXELS) return chunk_count_of(covered);
-    make_casters(h, &caster);
-    draw_alone(d, &caster, id, covered);
-    return 0u;
-}
-
-static void draw_chunk_alone(Drawing* d, uint id, uint chunk) {
-    Casters caster;
-    MapVertices h[3];
-    load_one_caster(d, id, &caster, h);
-    make_casters(h, &caster);
-    draw_alone(d, &caster, id, chunk_of(covered_by(&caster.covered, 0), chunk));
-}
-
-// Local memory: for each item its triangle, and the end of its chunks. An item draws a chunk that finds no room at
-// once.
-__kernel void depth_pass_scatter(DepthPass pass, __global const float* vertices, __global const MapView* views,
-                                 __global const float* tables, __global const uint2* listed,
-                                 __global const uint* nearest, __global uint* output, __global uint2* chunks,
-                                 __global uint* chunk_count, __local uint2* owners) {
-    __local uint reserved[GROUP_APPEND_WORDS];
-    uint item = (uint)get_local_id(0), items = (uint)get_local_size(0), count = listed_count(&pass, listed);
-    __local uint* ends = (__local uint*)(owners + items);
-    Drawing d = {pass, triangles_of(vertices, pass.triangles), views, tables, nearest, output};
+static Drawing drawing_of(const DepthPass* pass, __global const float* vertices, __global const MapView* views,
+                          __global const float* tables, __global const uint* nearest, __global uint* output) {
+    Drawing d = {*pass, triangles_of(vertices, pass->triangles), views, tables, nearest, output};
     d.home = (uint2)(0);
     d.reach = WHOLE_MAP;
+    return d;
+}
+
+// A caster that waits in local memory for the group's items.
+typedef struct WaitingCaster {
+    Casters caster;
+    uint view, id;
+} WaitingCaster;
+typedef char waiting_caster_has_its_size[sizeof(WaitingCaster) == 4 * WAITING_CASTER_WORDS ? 1 : -1];
+
+// The number of a large caster's chunks, 0 of others.
+static uint count_chunks(const Drawing* d, uint id, Casters* caster) {
+    MapVertices h[3];
+    if (!load_one_caster(d, id, caster, h) || !is_chunked(caster)) return 0u;
+    make_casters(h, caster);
+    return chunk_count_of(covered_by(&caster->covered, 0));
+}
+
+// Lists the chunks of large casters, and in the first pass lowers the keys of the tiles that they cover: EMPTY_KEY
+// before. Local memory: for each item its caster, and the end of its chunks. An item draws a chunk that finds no room
+// at once.
+__kernel void depth_pass_list(DepthPass pass, __global const float* vertices, __global const MapView* views,
+                              __global const float* tables, __global const uint2* listed, __global const uint* nearest,
+                              __global uint* output, __global Chunk* chunks, __global uint* chunk_count,
+                              volatile __global uint* tile_keys, __local WaitingCaster* waiting) {
+    __local uint reserved[GROUP_APPEND_WORDS];
+    uint item = (uint)get_local_id(0), items = (uint)get_local_size(0), count = listed_count(&pass, listed);
+    __local uint* ends = (__local uint*)(waiting + items);
+    if (item == 0u) reserved[0] = 0u;
+    Drawing d = drawing_of(&pass, vertices, views, tables, nearest, output);
     GN_ROUNDS(round, count) {
         uint i = index_in_round(round, count), wanted = 0u;
         if (i < count) {
-            owners[item] = listed_triangle(&pass, listed, i);
-            d.view = views + owners[item].x;
-            wanted = draw_or_count(&d, owners[item].y);
+            uint2 of = listed_triangle(&pass, listed, i);
+            WaitingCaster mine = {{{{0}}}, of.x, of.y};
+            d.view = views + of.x;
+            wanted = count_chunks(&d, of.y, &mine.caster);
+            if (wanted != 0u) waiting[item] = mine;
         }
         scan_group(wanted, ends);
-        uint total = ends[items - 1u], end;
-        for (uint begin = 0; begin < total; begin = end) {
-            end = min(total, begin + items * LARGEST_GROUP_APPEND);
-            uint first = reserve_for_group(end - begin, reserved, chunk_count);
-            for (uint k = begin + item; k < end; k += items) {
-                uint owner = item_of_piece(ends, k), chunk = k - (owner == 0u ? 0u : ends[owner - 1u]);
-                uint at = first + (k - begin);
-                d.view = views + owners[owner].x;
-                if (at < pass.chunk_capacity)
-                    chunks[at] = (uint2)(owners[owner].y, owners[owner].x << VIEW_SHIFT | chunk);
-                else
-                    draw_chunk_alone(&d, owners[owner].y, chunk);
+        for (uint begin = 0, total = ends[items - 1u]; begin < total; begin += items) {
+            WaitingCaster w;
+            Chunk chunk;
+            TexelRectangle texels;
+            bool is_open = false;
+            if (begin + item < total) {
+                uint owner = item_of_piece(ends, begin + item);
+                w = waiting[owner];
+                chunk.id = w.id, chunk.view = w.view;
+                chunk.chunk = begin + item - (owner == 0u ? 0u : ends[owner - 1u]);
+                d.view = views + w.view;
+                texels = chunk_of(covered_by(&w.caster.covered, 0), chunk.chunk);
+                TileBounds bounds = bounds_in(&d, &w.caster, texels);
+                is_open = !bounds.missed;
+                if (pass.pass == PASS_NEAREST)
+                    lower_tile_keys(&d, bounds, w.id, texels, tile_keys_of_view(&d, tile_keys, w.view));
             }
+            uint at = append_in_group(is_open ? 1u : 0u, reserved, chunk_count);
+            if (!is_open) continue;
+            if (at < pass.chunk_capacity)
+                chunks[at] = chunk;
+            else
+                draw_alone(&d, &w.caster, w.id, texels);
         }
         barrier(CLK_LOCAL_MEM_FENCE);
     }
 }
 
-// tile_keys: EMPTY_KEY before.
+// Loads a chunk's caster and view; returns its texels.
+static TexelRectangle load_chunk(Drawing* d, __global const MapView* views, const Chunk* chunk, Casters* caster) {
+    MapVertices h[3];
+    d->view = views + chunk->view;
+    load_one_caster(d, chunk->id, caster, h);
+    make_casters(h, caster);
+    return chunk_of(covered_by(&caster->covered, 0), chunk->chunk);
+}
+
 __kernel void depth_pass_chunks(DepthPass pass, __global const float* vertices, __global const MapView* views,
                                 __global const float* tables, __global const uint* nearest, __global uint* output,
-                                __global const uint2* chunks, __global const uint* chunk_count,
+                                __global const Chunk* chunks, __global const uint* chunk_count,
                                 volatile __global uint* tile_keys) {
-    __local uint is_drawn[MAX_TILES];
-    Drawing d = {pass, triangles_of(vertices, pass.triangles), views, tables, nearest, output};
-    d.home = (uint2)(0);
-    d.reach = WHOLE_MAP;
+    __local PartTiles tiles;
+    Drawing d = drawing_of(&pass, vertices, views, tables, nearest, output);
     uint count = min(*chunk_count, pass.chunk_capacity);
     for (uint i = (uint)get_group_id(0); i < count; i += (uint)get_num_groups(0)) {
-        uint2 chunk = chunks[i];
-        uint view_index = chunk.y >> VIEW_SHIFT;
+        Chunk chunk = chunks[i];
         Casters caster;
-        MapVertices h[3];
-        d.view = views + view_index;
-        load_one_caster(&d, chunk.x, &caster, h);
-        make_casters(h, &caster);
-        draw_by_group(&d, &caster, chunk.x,
-                      chunk_of(covered_by(&caster.covered, 0), chunk.y & ((1u << VIEW_SHIFT) - 1u)),
-                      pass.pass == PASS_NEAREST ? tile_keys : 0, view_index, is_drawn);
+        TexelRectangle texels = load_chunk(&d, views, &chunk, &caster);
+        volatile __global uint* keys = tile_keys_of_view(&d, tile_keys, chunk.view);
+        draw_by_group(&d, &caster, chunk.id, texels, pass.pass == PASS_SECOND ? 0 : keys, &tiles);
+    }
+}
+
+// The spans of a small caster that tiles do not hide, 0 of others.
+static uint count_spans(const Drawing* d, uint view, uint id, volatile __global uint* tile_keys, Casters* caster) {
+    MapVertices h[3];
+    if (!load_one_caster(d, id, caster, h) || is_chunked(caster)) return 0u;
+    TexelRectangle texels = covered_by(&caster->covered, 0);
+    volatile __global uint* keys = tile_keys_of_view(d, tile_keys, view);
+    bool is_hidden = d->pass.pass != PASS_SECOND;
+    for (uint t = 0; is_hidden && t < tile_count_of(texels); ++t)
+        is_hidden = is_behind(&d->pass, caster->min_depth, GN_RELAXED_LOAD(key_of_tile(d, keys, tile_of(texels, t))));
+    if (is_hidden) return 0u;
+    make_casters(h, caster);
+    return spans_of(texels);
+}
+
+// Draws small casters: the group's items share out the spans of their casters evenly. Local memory: for each item its
+// caster, and the end of its spans.
+__kernel void depth_pass_small(DepthPass pass, __global const float* vertices, __global const MapView* views,
+                               __global const float* tables, __global const uint2* listed, __global const uint* nearest,
+                               __global uint* output, volatile __global uint* tile_keys,
+                               __local WaitingCaster* waiting) {
+    uint item = (uint)get_local_id(0), items = (uint)get_local_size(0), count = listed_count(&pass, listed);
+    __local uint* ends = (__local uint*)(waiting + items);
+    Drawing d = drawing_of(&pass, vertices, views, tables, nearest, output);
+    GN_ROUNDS(round, count) {
+        uint i = index_in_round(round, count), wanted = 0u;
+        if (i < count) {
+            uint2 of = listed_triangle(&pass, listed, i);
+            WaitingCaster mine = {{{{0}}}, of.x, of.y};
+            d.view = views + of.x;
+            wanted = count_spans(&d, of.x, of.y, tile_keys, &mine.caster);
+            if (wanted != 0u) waiting[item] = mine;
+        }
+        scan_group(wanted, ends);
+        for (uint k = item; k < ends[items - 1u]; k += items) {
+            uint owner = item_of_piece(ends, k);
+            WaitingCaster w = waiting[owner];
+            CasterCutOut cut_out;
+            d.view = views + w.view;
+            load_caster_cut_out(&d, w.id, &cut_out);
+            TexelGrid grid = grid_of(&d);
+            TexelRectangle texels = covered_by(&w.caster.covered, 0);
+            uint span = k - (owner == 0u ? 0u : ends[owner - 1u]), across = spans_across(texels);
+            // The quotient is half a span or more away from a whole number: it rounds as integers do.
+            uint row = (uint)(((float)span + 0.5f) / (float)across);
+            draw_span(&d, &grid, &w.caster, &cut_out, texels, row, span - row * across);
+        }
+        barrier(CLK_LOCAL_MEM_FENCE);
     }
 }
 #endif

@@ -322,9 +322,12 @@ static int side_vertices(const ViewPlan* plan, const PlannedView* view, uint sid
     return 4;
 }
 
+// What the view's rectangle is fitted to and its errors are measured at; empty if neither is asked for, since one item
+// clips it.
 static void make_body(const ViewPlan* plan, const PlannedView* view, SceneBox scene, uint i, Polyhedron* body) {
     body->count = 0;
     if (!has_camera(plan) || plan->partition == PARTITION_CUBE) return;
+    if (plan->shares_resolution == 0u && (plan->fit != FIT_FRUSTUM || plan->partition == PARTITION_FACES)) return;
     if (plan->partition == PARTITION_FACES)
         body->count = side_vertices(plan, view, i, body->vertices);
     else

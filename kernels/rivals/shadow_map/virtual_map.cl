@@ -99,35 +99,46 @@ static TexelRectangle pages_of(TexelRectangle covered) {
     return (TexelRectangle){covered.low >> PAGE_LOG2, covered.high >> PAGE_LOG2};
 }
 
-// For each item of the group, the pages of all levels with requests that its triangle may cover: their number.
-static uint count_pages(const VirtualPlan* plan, Drawing* d, __global const MapView* level_views, uint view, uint id,
+// A triangle that waits in local memory for the group's items.
+typedef struct PagedCaster {
+    uint view, id;
+    MapBounds bounds;
+} PagedCaster;
+typedef char paged_caster_has_its_size[sizeof(PagedCaster) == 4 * PAGED_CASTER_WORDS ? 1 : -1];
+
+static TexelRectangle pages_of_caster(const VirtualPlan* plan, __global const MapView* level_views,
+                                      __global const float* tables, const PagedCaster* c, uint level) {
+    __global const MapView* view = level_views + c->view * plan->levels + level;
+    TexelLanes covered = texels_covered(view, tables, &c->bounds, -1);
+    return pages_of(covered_by(&covered, 0));
+}
+
+// The pages of all levels with requests that a triangle may cover: their number.
+static uint count_pages(const VirtualPlan* plan, Drawing* d, __global const MapView* level_views, PagedCaster* c,
                         __global const uint* page_of) {
     Casters caster;
     MapVertices h[3];
     uint count = 0;
+    d->view = level_views + c->view * plan->levels;  // levels differ in the number of their texels alone
+    if (!load_one_caster(d, c->id, &caster, h)) return 0u;
+    c->bounds = map_bounds_of(h);
     for (uint level = 0; level < plan->levels; ++level) {
-        uint first = page_entry(plan, view, level, 0, 0), across = plan->pages_across >> level;
+        uint first = page_entry(plan, c->view, level, 0, 0), across = plan->pages_across >> level;
         if (page_of[first] == page_of[first + across * across]) continue;  // no page of this level is requested
-        d->view = level_views + view * plan->levels + level;
-        if (!load_one_caster(d, id, &caster, h)) return 0u;  // nor in any other level
-        count += texels_of(pages_of(covered_by(&caster.covered, 0)));
+        count += texels_of(pages_of_caster(plan, level_views, d->tables, c, level));
     }
     return count;
 }
 
 // The entry of the i-th of these pages.
-static uint entry_of_page(const VirtualPlan* plan, Drawing* d, __global const MapView* level_views, uint view, uint id,
-                          uint i, __global const uint* page_of) {
-    Casters caster;
-    MapVertices h[3];
+static uint entry_of_page(const VirtualPlan* plan, const Drawing* d, __global const MapView* level_views,
+                          const PagedCaster* c, uint i, __global const uint* page_of) {
     for (uint level = 0; level < plan->levels; ++level) {
-        uint first = page_entry(plan, view, level, 0, 0), across = plan->pages_across >> level;
+        uint first = page_entry(plan, c->view, level, 0, 0), across = plan->pages_across >> level;
         if (page_of[first] == page_of[first + across * across]) continue;
-        d->view = level_views + view * plan->levels + level;
-        load_one_caster(d, id, &caster, h);
-        TexelRectangle pages = pages_of(covered_by(&caster.covered, 0));
+        TexelRectangle pages = pages_of_caster(plan, level_views, d->tables, c, level);
         uint columns = pages.high.x - pages.low.x + 1u, here = texels_of(pages);
-        if (i < here) return page_entry(plan, view, level, pages.low.x + i % columns, pages.low.y + i / columns);
+        if (i < here) return page_entry(plan, c->view, level, pages.low.x + i % columns, pages.low.y + i / columns);
         i -= here;
     }
     return NO_PAGE;
@@ -151,28 +162,31 @@ __kernel void virtual_map_scatter(VirtualPass all, __global const float* vertice
                                   __global const float* tables, __global const uint2* listed,
                                   __global const uint* page_of, __global const MapView* pages, __global uint* touched,
                                   __global uint* keys, __global VirtualCounters* counters, __global uint2* pairs,
-                                  __local uint2* owners) {
+                                  __local PagedCaster* waiting) {
     __local uint reserved[GROUP_APPEND_WORDS];
     VirtualPlan plan = all.plan;
     DepthPass pass = all.pass;
     uint item = (uint)get_local_id(0), items = (uint)get_local_size(0), count = listed_count(&pass, listed);
-    __local uint* ends = (__local uint*)(owners + items);
+    __local uint* ends = (__local uint*)(waiting + items);
     if (item == 0u) reserved[0] = 0u;
     Drawing d = {pass, triangles_of(vertices, pass.triangles), pages, tables, keys, keys};
     d.reach = WHOLE_MAP;
     GN_ROUNDS(round, count) {
         uint i = index_in_round(round, count), wanted = 0u;
         if (i < count) {
-            owners[item] = listed_triangle(&pass, listed, i);
-            wanted = count_pages(&plan, &d, level_views, owners[item].x, owners[item].y, page_of);
+            uint2 of = listed_triangle(&pass, listed, i);
+            PagedCaster mine = {of.x, of.y};
+            wanted = count_pages(&plan, &d, level_views, &mine, page_of);
+            if (wanted != 0u) waiting[item] = mine;
         }
         scan_group(wanted, ends);
         for (uint begin = 0, total = ends[items - 1u]; begin < total; begin += items) {
             uint k = begin + item, entry = NO_PAGE, id = 0u;
             if (k < total) {
                 uint owner = item_of_piece(ends, k), before = owner == 0u ? 0u : ends[owner - 1u];
-                id = owners[owner].y;
-                entry = entry_of_page(&plan, &d, level_views, owners[owner].x, id, k - before, page_of);
+                PagedCaster of = waiting[owner];
+                id = of.id;
+                entry = entry_of_page(&plan, &d, level_views, &of, k - before, page_of);
             }
             bool is_left = false;
             Casters caster;
@@ -194,19 +208,21 @@ __kernel void virtual_map_scatter(VirtualPass all, __global const float* vertice
     }
 }
 
-// A work-group takes one pair.
+// A work-group takes one pair. tile_keys: EMPTY_KEY before.
 __kernel void virtual_map_pairs(VirtualPass all, __global const float* vertices, __global const float* tables,
                                 __global const uint* page_of, __global const MapView* pages, __global uint* keys,
-                                __global const VirtualCounters* counters, __global const uint2* pairs) {
-    __local uint is_drawn[MAX_TILES];
+                                __global const VirtualCounters* counters, __global const uint2* pairs,
+                                volatile __global uint* tile_keys) {
+    __local PartTiles tiles;
     DepthPass pass = all.pass;
     Drawing d = {pass, triangles_of(vertices, pass.triangles), pages, tables, keys, keys};
     d.reach = WHOLE_MAP;
     uint count = min(counters->pairs, pass.chunk_capacity);
     for (uint i = (uint)get_group_id(0); i < count; i += (uint)get_num_groups(0)) {
         Casters caster;
-        TexelRectangle part = load_part(&all.plan, &d, pages + page_of[pairs[i].y], pairs[i].y, pairs[i].x, &caster);
-        draw_by_group(&d, &caster, pairs[i].x, part, 0, 0u, is_drawn);
+        uint page = page_of[pairs[i].y];
+        TexelRectangle part = load_part(&all.plan, &d, pages + page, pairs[i].y, pairs[i].x, &caster);
+        draw_by_group(&d, &caster, pairs[i].x, part, tile_keys + page * (PAGE_TEXELS / 16u), &tiles);
     }
 }
 #endif

@@ -24,6 +24,8 @@
 #define PAGE_SIZE (1u << PAGE_LOG2)
 #define PAGE_TEXELS (1u << (2u * PAGE_LOG2))
 #define NO_PAGE 0xFFFFFFFFu
+// Of a GPU's local memory, for each triangle whose pages wait there.
+#define PAGED_CASTER_WORDS 7u
 
 GN_STRUCT_BEGIN(VirtualPlan)
     uint pages_across;      // of level 0: a power of two

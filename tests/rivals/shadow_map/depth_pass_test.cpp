@@ -299,7 +299,9 @@ TEST(DepthPass, EqualsReference) {
                 const auto hits = hits_at(casters, c.view.front_depth, u, v, texel_u, texel_v, bias);
                 for (const ReferenceHit& hit : hits) nearest = std::min(nearest, hit.depth);
                 for (const ReferenceHit& hit : hits)
-                    if (hit.depth == nearest && nearest < 1) steepest = std::max(steepest, hit.squared_slope);
+                    // A clamped depth, 0 or 1, has no slope.
+                    if (hit.depth == nearest && nearest > 0 && nearest < 1)
+                        steepest = std::max(steepest, hit.squared_slope);
                 const std::size_t at = c.view.first_texel + i;
                 wrong += keys[at] != nearest || slopes[at] != steepest;
             }

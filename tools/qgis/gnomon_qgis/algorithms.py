@@ -144,6 +144,7 @@ class Viewshed(_Algorithm):
         with tempfile.TemporaryDirectory(prefix="gnomon-") as folder:
             table = Path(folder) / "observers.csv"
             table.write_text("x,y\n" + "".join(f"{x!r},{y!r}\n" for x, y in places))
+            arguments += ["--folder", str(Path(folder) / "study")]
             study_process.run(["viewshed", heights, str(table), output, *arguments], feedback)
         self._style(context, output, f"{what}.qml")
         return {self.OUTPUT: output}

@@ -20,7 +20,10 @@ from .plan import Plan
 from .record import digests, record_of
 from .runner import Execution, StudyStoppedError, executor_of, run_study
 from .settings import Settings, read_toml, settings_of
+from .tasks import plan_in
 from .verify import Verified, verify
+from .viewshed import export_viewshed
+from .viewshed_plan import ViewshedPlan
 
 __all__ = [
     "Execution",
@@ -39,7 +42,7 @@ __all__ = [
 class Study:
     """A study in its folder: what study() and open_study() return."""
 
-    def __init__(self, plan: Plan) -> None:
+    def __init__(self, plan: Plan | ViewshedPlan) -> None:
         self.plan = plan
 
     @property
@@ -62,11 +65,17 @@ class Study:
         return digests(self.plan)
 
     def export(self, path: str | os.PathLike[str], what: str | None = None) -> list[Path]:
-        """Writes a result as GeoTIFF (COG), or as CSV for points; what="suns": the table of suns: export.export()."""
+        """Writes a result as GeoTIFF (COG), or as CSV for points; what="suns": the table of suns: export.export(). Of a
+        viewshed: viewshed.export_viewshed()."""
+        if isinstance(self.plan, ViewshedPlan):
+            export_viewshed(self.plan, Path(path), what)
+            return [Path(path)]
         return export(self.plan, Path(path), what)
 
     def picture(self, path: str | os.PathLike[str], what: str | None = None) -> Path:
         """Draws a map of a result with a legend."""
+        if isinstance(self.plan, ViewshedPlan):
+            raise ValueError(f"{self.folder}: holds a viewshed, which has no picture: export() makes a GeoTIFF of it")
         return picture(self.plan, Path(path), what)
 
     def verify(self, share: float = 0.05, device: str | None = None, seed: int | None = None) -> Verified:
@@ -105,4 +114,4 @@ def run(folder: Path, settings: Settings, execution: Execution) -> Study:
 
 def open_study(folder: str | os.PathLike[str]) -> Study:
     """The study in a folder. Raises ValueError if there is none."""
-    return Study(Plan.open(Path(folder).absolute()))
+    return Study(plan_in(Path(folder).absolute()))

@@ -11,14 +11,15 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from tqdm import tqdm
-
 from .. import DeviceNotFoundError, OpenCLError
 from .._earth import EARTH_RADIUS
 from .._viewshed import REFRACTION
-from . import Execution, StudyStoppedError, open_study, read_toml, run
+from . import Execution, StudyStoppedError, open_study, read_toml, run, verify
 from .settings import files_of
-from .viewshed import WHAT, Request, observers_of, write_viewshed
+from .viewshed import WHAT, observers_of, write_viewshed
+from .viewshed_plan import ViewshedSettings
+
+WORKERS = "processes of this host, 'gpus', or the address of a dask scheduler; default: none"
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -30,9 +31,7 @@ def _parser() -> argparse.ArgumentParser:
     run_parser.add_argument(
         "--folder", type=Path, help="the study's; default: [run] folder, else the file's name without .toml"
     )
-    run_parser.add_argument(
-        "--workers", help="processes of this host, 'gpus', or the address of a dask scheduler; default: none"
-    )
+    run_parser.add_argument("--workers", help=WORKERS)
     run_parser.add_argument(
         "--epw", type=Path, metavar="FILE", help="a weather file, EPW or TMY3: irradiation in kWh/m2 (setting weather)"
     )
@@ -55,13 +54,16 @@ def _parser() -> argparse.ArgumentParser:
     )
     verify_parser.add_argument("--device", help="the device that recomputes, P:D or a part of its name")
     verify_parser.add_argument("--seed", type=int)
+    verify_parser.add_argument(
+        "--lines", type=int, default=20, help="of a viewshed: lines of sight that rational arithmetic follows"
+    )
     verify_parser.set_defaults(function=_verify)
 
     for name, text in (("export", "write a result as GeoTIFF (COG) or CSV"), ("picture", "draw a map with a legend")):
         write_parser = commands.add_parser(name, help=text)
         write_parser.add_argument("folder", type=Path)
         write_parser.add_argument("output", type=Path, help="the file; for packed bits a folder")
-        write_parser.add_argument("--what", help="sun_hours, sum_of_weights, irradiation, direct, diffuse, lit or suns")
+        write_parser.add_argument("--what", help="a result's name, such as sun_hours, lit or seen; or suns")
         write_parser.set_defaults(function=_write)
     _add_viewshed(commands)
     return parser
@@ -84,6 +86,14 @@ def _add_viewshed(commands: Any) -> None:
     parser.add_argument("--radius", type=float, default=EARTH_RADIUS, help="the Earth's, m; default: %(default).0f")
     parser.add_argument("--outside", type=float, help="what stands where there is no data is at most this high, m")
     parser.add_argument("--height-unit", help="of the raster's heights; default: what it declares, or metres")
+    parser.add_argument(
+        "--folder", type=Path, help="the study's, which is kept for verify and export; default: a passing one"
+    )
+    parser.add_argument("--bits", action="store_true", help="keep each answer as packed bits in the folder")
+    parser.add_argument("--tile", type=int, metavar="ROWS", help="of a tile; default: as many as have 2^24 cells")
+    parser.add_argument("--block", type=int, default=128, help="observers of a task; default: %(default)d")
+    parser.add_argument("--restart", action="store_true", help="begin again, and drop what is in the folder")
+    parser.add_argument("--workers", help=WORKERS)
     parser.add_argument("--device", help="P:D as gnomon devices lists it, or a part of its name")
     parser.add_argument("--quiet", action="store_true", help="no progress, no summary")
     parser.set_defaults(function=_viewshed)
@@ -97,24 +107,34 @@ def _refraction(text: str) -> float | None:
 
 
 def _viewshed(options: argparse.Namespace) -> int:
-    places, heights = observers_of(options.observers)
-    request = Request(
+    observers = observers_of(options.observers, options.height)
+    what = options.what or ("seen" if len(observers) == 1 else "counts")
+    if what != "counts" and len(observers) != 1:
+        raise ValueError(f"what: {what!r} is for one observer, and there are {len(observers)}")
+    settings = ViewshedSettings(
         raster=files_of(options.raster),
-        observers=places,
-        heights=options.height if heights is None else heights,
+        observers=observers,
         target_height=options.target_height,
         distance=options.distance,
         refraction=options.refraction,
         radius=options.radius,
         outside=options.outside,
         height_unit=options.height_unit,
-        device=options.device,
+        outputs=tuple(dict.fromkeys((WHAT[what], *(("bits",) if options.bits else ())))),
+        tile=options.tile,
+        block=options.block,
     )
-    with tqdm(total=1.0, disable=options.quiet or len(places) == 1, unit="", bar_format="{l_bar}{bar}") as bar:
-        record = write_viewshed(options.output, request, options.what, lambda done: bar.update(done - bar.n))
+    execution = Execution(
+        workers=_workers(options.workers), device=options.device, restart=options.restart, progress=not options.quiet
+    )
+    record = write_viewshed(options.output, settings, options.folder, execution)
     if not options.quiet:
         print(json.dumps(record, indent=1))
     return 0
+
+
+def _workers(given: Any) -> Any:
+    return int(given) if isinstance(given, str) and given.isdigit() else given
 
 
 def _tiles(text: str | None) -> slice | None:
@@ -133,9 +153,7 @@ def _run(options: argparse.Namespace) -> int:
         raise ValueError(f"{options.file}: [run] has no key {', '.join(unknown)}: its keys are folder, workers, device")
     base = options.file.absolute().parent
     folder = options.folder or base / run_keys.get("folder", options.file.stem)
-    workers: Any = options.workers if options.workers is not None else run_keys.get("workers")
-    if isinstance(workers, str) and workers.isdigit():
-        workers = int(workers)
+    workers = _workers(options.workers if options.workers is not None else run_keys.get("workers"))
     device = options.device or run_keys.get("device")
     execution = Execution(
         workers=workers,
@@ -158,9 +176,11 @@ def _run(options: argparse.Namespace) -> int:
 
 
 def _verify(options: argparse.Namespace) -> int:
-    verified = open_study(options.folder).verify(options.share, options.device, options.seed)
+    verified = verify(options.folder.absolute(), options.share, options.device, options.seed, options.lines)
     print(f"{verified.tasks} tasks recomputed on {verified.device}: {len(verified.wrong)} chunks differ")
-    for text, chunks in (("damaged", verified.damaged), ("differs", verified.wrong)):
+    if verified.lines:
+        print(f"{verified.lines} lines of sight in rational arithmetic: {len(verified.wrong_lines)} differ")
+    for text, chunks in (("damaged", verified.damaged), ("differs", [*verified.wrong, *verified.wrong_lines])):
         for chunk in chunks:
             print(f"{text}: {chunk}")
     if verified.missing:

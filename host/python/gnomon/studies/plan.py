@@ -20,8 +20,9 @@ from .energy import ENERGIES
 from .rasters import open_mosaic
 from .receivers import Receivers, TileOfReceivers, receivers_of, write_points
 from .settings import Settings
-from .store import Store, create_arrays, sha256_of_array, write_whole
+from .store import Store, create_arrays_of_suns, sha256_of_array, write_whole
 from .suns import Suns, suns_of
+from .tiled import TiledPlan
 
 #: The finest step that a study chooses by itself is 2^-10 m.
 FINEST_EXPONENT = -10
@@ -31,9 +32,19 @@ COARSE_EXPONENT = -6
 SurveyRun = Callable[[str, Iterable[int]], Iterable[tuple[int, tuple[list[float], float, float, int, str]]]]
 
 
-class Plan:
-    """The settings, casters, survey, suns, receivers and blocks of a study. The lattice's step is 2^exponent. hash:
-    names the plan; tasks that were done under another plan are done again."""
+def facts_in(folder: Path) -> dict[str, Any]:
+    """study.json of a study's folder. Raises ValueError if the folder holds no study."""
+    try:
+        facts: dict[str, Any] = json.loads((folder / "study.json").read_text())
+    except (FileNotFoundError, NotADirectoryError):
+        raise ValueError(f"{folder}: holds no study (no study.json): gnomon-study run makes a study") from None
+    except json.JSONDecodeError as error:
+        raise ValueError(f"{folder}/study.json: {error}: run the study again with restart") from None
+    return facts
+
+
+class Plan(TiledPlan):
+    """The settings, casters, survey, suns, receivers and blocks of a study. The lattice's step is 2^exponent."""
 
     def __init__(self, folder: Path, settings: Settings, facts: dict[str, Any], device: str | None = None) -> None:
         self.folder = folder
@@ -49,24 +60,21 @@ class Plan:
         self.blocks = self.suns.blocks(settings.block)
         self.store = Store(folder)
         self.decider = Decider(settings, self.casters, self.survey, self.exponent, device)
+        names = {"bits": ["lit", "undecided"], "hours": ["sun_hours", "undecided_hours"],
+                 "weights": ["sum_of_weights", "undecided_weights"],
+                 **{name: [name, f"undecided_{name}"] for name in ENERGIES}}  # fmt: skip
+        self.results = [name for output in settings.outputs for name in names[output]]
+        self.has_sums = settings.outputs != ("bits",)
         self._tile: tuple[int, TileOfReceivers] | None = None  # the last tile, which several blocks of suns need
         self._tile_lock = threading.Lock()
 
     @classmethod
     def open(cls, folder: Path, device: str | None = None) -> Plan:
         """The plan in a study's folder. Raises ValueError if the folder holds no study."""
-        try:
-            facts = json.loads((folder / "study.json").read_text())
-        except (FileNotFoundError, NotADirectoryError):
-            raise ValueError(f"{folder}: holds no study (no study.json): gnomon-study run makes a study") from None
-        except json.JSONDecodeError as error:
-            raise ValueError(f"{folder}/study.json: {error}: run the study again with restart") from None
+        facts = facts_in(folder)
+        if facts.get("kind") == "viewshed":
+            raise ValueError(f"{folder}: holds a viewshed: choose another folder")
         return cls(folder, Settings.from_json(facts["settings"]), facts, device)
-
-    @property
-    def tasks(self) -> list[tuple[int, int]]:
-        """All (tile, block)."""
-        return [(tile, block) for tile in range(len(self.receivers)) for block in range(len(self.blocks))]
 
     def tile(self, tile: int) -> TileOfReceivers:
         """The receivers of a tile, the same object for the tasks that follow one another."""
@@ -77,30 +85,26 @@ class Plan:
             self._tile = (tile, receivers) if not receivers.unread else None
             return receivers
 
-    def receivers_of_tile(self, tile: int) -> int:
-        return math.prod(s.stop - s.start for s in self.receivers.slices(tile))
-
-    def suns_of_block(self, block: int) -> int:
+    def size_of_block(self, block: int) -> int:
         is_up = np.isfinite(self.suns.towards[:, :, 0]).any(axis=0)
         return int((np.isin(self.suns.word, self.blocks[block]) & is_up).sum())
 
-    def hash_of_blocks(self, tile: int) -> str:
-        """A hash of the values in the tile's blocks: sums with another hash are out of date."""
-        done = [self.store.done(tile, block, self.hash) for block in range(len(self.blocks))]
-        text = json.dumps([facts and {k: v["data"] for k, v in facts["chunks"].items()} for facts in done])
-        return hashlib.sha256(text.encode()).hexdigest()
-
     @property
-    def results(self) -> list[str]:
-        """Names of the arrays of results."""
-        names = {"bits": ["lit", "undecided"], "hours": ["sun_hours", "undecided_hours"],
-                 "weights": ["sum_of_weights", "undecided_weights"],
-                 **{name: [name, f"undecided_{name}"] for name in ENERGIES}}  # fmt: skip
-        return [name for output in self.settings.outputs for name in names[output]]
+    def device_name(self) -> str:
+        return repr(self.decider.device)
 
-    @property
-    def has_sums(self) -> bool:
-        return self.settings.outputs != ("bits",)
+    def own_record(self, unread: list[int]) -> dict[str, Any]:
+        s = self.settings
+        return {
+            "lattice": f"2^{self.exponent} m",
+            "reach_metres": self.facts["reach"],
+            "diagonal_of_cells": "from south-west to north-east",
+            "beyond_the_casters": "nothing stands" if s.outside is None else f"at most {s.outside} m",
+            "curvature": f"on, k = {s.refraction_of_ground}" if s.curvature else "off",
+            "unread_casters": [self.casters.name(tile) for tile in unread],
+            "suns": self.suns.notes,
+            "zones": len(self.suns.zones),
+        }
 
 
 def _stamps(settings: Settings) -> dict[str, list[int]]:
@@ -170,7 +174,7 @@ def _make_plan(folder: Path, settings: Settings, run_survey: SurveyRun) -> Plan:
     facts = {"settings": json.loads(settings.as_json()), "exponent": exponent, "hash": digest,
              "reach": _reach(settings, survey), "stamps": _stamps(settings)}  # fmt: skip
     blocks = suns.blocks(settings.block)
-    create_arrays(folder, settings, suns, receivers, len(blocks), crs)
+    create_arrays_of_suns(folder, settings, suns, receivers, len(blocks), crs)
     write_whole(folder / "study.json", json.dumps(facts))
     return Plan.open(folder)
 

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import rasterio
 
-from .plan import Plan
 from .store import sha256_of, write_whole
+from .tiled import TiledPlan
 
 PACKAGES = ("gnomon", "numpy", "zarr", "dask", "rasterio", "pyproj", "pvlib", "trimesh")
 
@@ -27,7 +27,7 @@ def versions() -> dict[str, str]:
     return result
 
 
-def record_of(plan: Plan) -> dict[str, Any]:
+def record_of(plan: TiledPlan) -> dict[str, Any]:
     chunks: dict[str, Any] = {}
     devices: dict[str, int] = {}
     done = decisions = undecided = 0
@@ -59,25 +59,16 @@ def record_of(plan: Plan) -> dict[str, Any]:
         "undecided": undecided,
         "seconds_of_all_workers": round(seconds, 3),
         "tasks_of_devices": devices,
-        "lattice": f"2^{plan.exponent} m",
-        "reach_metres": plan.facts["reach"],
-        "diagonal_of_cells": "from south-west to north-east",
-        "beyond_the_casters": "nothing stands"
-        if plan.settings.outside is None
-        else f"at most {plan.settings.outside} m",
-        "curvature": f"on, k = {plan.settings.refraction_of_ground}" if plan.settings.curvature else "off",
-        "unread_casters": [plan.casters.name(tile) for tile in sorted(unread)],
-        "suns": plan.suns.notes,
-        "zones": len(plan.suns.zones),
+        **plan.own_record(sorted(unread)),
         "chunks": dict(sorted(chunks.items())),
     }
 
 
-def write_record(plan: Plan) -> None:
+def write_record(plan: TiledPlan) -> None:
     write_whole(plan.folder / "record.json", json.dumps(record_of(plan), indent=1))
 
 
-def digests(plan: Plan) -> dict[str, str]:
+def digests(plan: TiledPlan) -> dict[str, str]:
     """sha256 of each result, decoded, in raster order: it depends neither on tiles nor on compression."""
     result = {}
     for name in plan.results:

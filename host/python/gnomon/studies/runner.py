@@ -22,6 +22,7 @@ from .rasters import UndeclaredNoDataError
 from .record import write_record
 from .settings import Settings
 from .tasks import release_plans, run_task, sum_tile
+from .tiled import TiledPlan
 
 #: The calls that a process runs at a time: one prepares and writes while the device works for the other one.
 THREADS = 2
@@ -197,7 +198,7 @@ def _require_main_guard() -> None:
         if statement.lineno <= frame.f_lineno <= (statement.end_lineno or 0):
             raise RuntimeError(
                 f"{file}, line {frame.f_lineno}: the worker processes of workers= import this program and would run "
-                "this line again: put it below if __name__ == \"__main__\":"
+                'this line again: put it below if __name__ == "__main__":'
             )
 
 
@@ -255,6 +256,12 @@ def run_study(folder: Path, settings: Settings, execution: Execution, executor: 
 
     folder.mkdir(parents=True, exist_ok=True)
     plan = load_or_make_plan(folder, settings, run_survey, execution.restart)
+    run_plan(plan, execution, executor)
+    return plan
+
+
+def run_plan(plan: TiledPlan, execution: Execution, executor: LocalExecutor | DaskExecutor) -> None:
+    """Computes missing tasks, and writes the record."""
     tiles = range(len(plan.receivers))[execution.tiles or slice(None)]
     check = execution.check
     try:
@@ -266,10 +273,9 @@ def run_study(folder: Path, settings: Settings, execution: Execution, executor: 
     finally:
         release_plans()
     write_record(plan)
-    return plan
 
 
-def missing_tasks(plan: Plan, tiles: Iterable[int], check: bool) -> list[tuple[int, int]]:
+def missing_tasks(plan: TiledPlan, tiles: Iterable[int], check: bool) -> list[tuple[int, int]]:
     """Tasks that are not done, or whose chunks are not the ones that they wrote, or that lacked a caster tile."""
     missing = []
     for tile in tiles:
@@ -281,14 +287,14 @@ def missing_tasks(plan: Plan, tiles: Iterable[int], check: bool) -> list[tuple[i
 
 
 def _run_blocks(
-    plan: Plan, tiles: Iterable[int], executor: LocalExecutor | DaskExecutor, check: bool, progress: bool
+    plan: TiledPlan, tiles: Iterable[int], executor: LocalExecutor | DaskExecutor, check: bool, progress: bool
 ) -> bool:
     """Runs the missing tasks. Returns whether any of them lacked a caster tile. The bar counts decisions, receivers x
-    suns."""
+    suns, or x observers."""
     from tqdm import tqdm
 
     missing = missing_tasks(plan, tiles, check)
-    decisions = {f"tile {t}, block {b}": plan.receivers_of_tile(t) * plan.suns_of_block(b) for t, b in missing}
+    decisions = {f"tile {t}, block {b}": plan.receivers_of_tile(t) * plan.size_of_block(b) for t, b in missing}
     calls = (
         (f"tile {t}, block {b}", run_task, (str(plan.folder), plan.hash, t, b, executor.device)) for t, b in missing
     )
@@ -303,7 +309,7 @@ def _run_blocks(
     return has_unread
 
 
-def _run_sums(plan: Plan, tiles: Iterable[int], executor: LocalExecutor | DaskExecutor) -> None:
+def _run_sums(plan: TiledPlan, tiles: Iterable[int], executor: LocalExecutor | DaskExecutor) -> None:
     if not plan.has_sums:
         return
     calls = []

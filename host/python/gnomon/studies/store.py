@@ -22,12 +22,13 @@ import os
 import uuid
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import zarr
 from numpy.typing import NDArray
 
+from .rasters import Mosaic
 from .receivers import RasterReceivers, Receivers
 from .settings import Settings
 from .suns import Suns
@@ -129,37 +130,50 @@ def _dimensions(receivers: Receivers) -> tuple[str, ...]:
     return ("y", "x") if isinstance(receivers, RasterReceivers) else ("point",)
 
 
+class Array(NamedTuple):
+    """An empty array of a study. name: `results.zarr/lit` and the like. leading: names and sizes of the dimensions
+    before those of the receivers."""
+
+    name: str
+    leading: tuple[tuple[str, int], ...]
+    dtype: str
+    fill: float
+    attributes: dict[str, Any]
+
+
 def create_arrays(
+    folder: Path, title: str, receivers: Receivers, dims: tuple[str, ...], arrays: Iterable[Array]
+) -> Any:
+    """Makes the empty arrays, and replaces old ones; returns the group of results."""
+    shape = receivers.shape
+    chunk = tuple(min(c, n) for c, n in zip(receivers.chunk, shape, strict=True))
+    groups = {name: zarr.open_group(str(folder / name), mode="w") for name in (RESULTS, PARTIALS)}
+    groups[RESULTS].attrs["title"] = title
+    for array in arrays:
+        group, name = array.name.split("/")
+        made = groups[group].create_array(
+            name,
+            shape=(*(n for _, n in array.leading), *shape),
+            chunks=(*(1 for _ in array.leading), *chunk),
+            dtype=array.dtype,
+            fill_value=array.fill,
+            dimension_names=[*(d for d, _ in array.leading), *dims],
+        )
+        made.attrs.update({"grid_mapping": "spatial_ref", **array.attributes})
+    return groups[RESULTS]
+
+
+def create_arrays_of_suns(
     folder: Path, settings: Settings, suns: Suns, receivers: Receivers, block_count: int, crs: str | None
 ) -> None:
-    """Makes the empty arrays, and replaces old ones."""
-    shape, chunk, dims = receivers.shape, receivers.chunk, _dimensions(receivers)
-    chunk = tuple(min(c, n) for c, n in zip(chunk, shape, strict=True))
-    results = zarr.open_group(str(folder / RESULTS), mode="w")
-    results.attrs["title"] = "Sun visibility by gnomon"
-    partials = zarr.open_group(str(folder / PARTIALS), mode="w")
-
-    def make(
-        group: Any, name: str, leading: tuple[tuple[str, int], ...], dtype: str, fill: float, **attributes: Any
-    ) -> None:
-        array = group.create_array(
-            name,
-            shape=(*(n for _, n in leading), *shape),
-            chunks=(*(1 for _ in leading), *chunk),
-            dtype=dtype,
-            fill_value=fill,
-            dimension_names=[*(d for d, _ in leading), *dims],
-        )
-        array.attrs.update({"grid_mapping": "spatial_ref", **attributes})
-
-    word = ("word", suns.word_count)
+    arrays = []
     if "bits" in settings.outputs:
         for name, text in (
             ("lit", "1: the sun is seen"),
             ("undecided", "1: it is not decided whether the sun is seen"),
         ):
-            make(results, name, (word,), "uint32", 0, long_name=f"packed bits, {text}")
-    block = ("block", block_count)
+            words = (("word", suns.word_count),)
+            arrays.append(Array(f"{RESULTS}/{name}", words, "uint32", 0, {"long_name": f"packed bits, {text}"}))
     for output, name, long_name, units in (
         ("hours", "sun_hours", "hours of sun", "hours"),
         ("weights", "sum_of_weights", "sum of the weights of the suns that are seen", "1"),
@@ -170,42 +184,48 @@ def create_arrays(
         if output in settings.outputs:
             kind = "float32" if output == "hours" else "float64"
             text = "to add at most" if output == "hours" else "of the suns that are undecided"
-            make(results, name, (), kind, np.nan, long_name=long_name, gnomon_units=units)
-            make(results, f"undecided_{output}", (), kind, np.nan, long_name=f"{long_name}, {text}", gnomon_units=units)
+            for array, words_of in ((name, long_name), (f"undecided_{output}", f"{long_name}, {text}")):
+                attributes = {"long_name": words_of, "gnomon_units": units}
+                arrays.append(Array(f"{RESULTS}/{array}", (), kind, np.nan, attributes))
             for part in ("lit", "undecided"):
-                make(partials, f"{part}_{output}", (block,), "int64", 0)
+                arrays.append(Array(f"{PARTIALS}/{part}_{output}", (("block", block_count),), "int64", 0, {}))
+    results = create_arrays(folder, "Sun visibility by gnomon", receivers, _dimensions(receivers), arrays)
     _write_coordinates(results, settings, suns, receivers, crs)
 
 
+def _put(results: Any, name: str, values: Any, dims: Iterable[str], **attributes: Any) -> None:
+    array = results.create_array(name, data=np.asarray(values), dimension_names=list(dims))
+    array.attrs.update(attributes)
+
+
+def put_raster_coordinates(results: Any, mosaic: Mosaic, wkt: str | None) -> None:
+    _put(results, "x", mosaic.x(0, mosaic.columns), ["x"], standard_name="projection_x_coordinate", units="m")
+    _put(results, "y", mosaic.y(0, mosaic.rows), ["y"], standard_name="projection_y_coordinate", units="m")
+    transform = f"{mosaic.west!r} {mosaic.dx!r} 0.0 {mosaic.north!r} 0.0 {-mosaic.dy!r}"
+    attributes = {"GeoTransform": transform}
+    if wkt:
+        import pyproj
+
+        wkt = pyproj.CRS.from_user_input(wkt).to_wkt()
+        attributes |= {"crs_wkt": wkt, "spatial_ref": wkt}
+    _put(results, "spatial_ref", np.int64(0), [], **attributes)
+
+
 def _write_coordinates(results: Any, settings: Settings, suns: Suns, receivers: Receivers, crs: str | None) -> None:
-    def put(name: str, values: Any, dims: Iterable[str], **attributes: Any) -> None:
-        array = results.create_array(name, data=np.asarray(values), dimension_names=list(dims))
-        array.attrs.update(attributes)
-
     if isinstance(receivers, RasterReceivers):
-        mosaic = receivers.mosaic
-        put("x", mosaic.x(0, mosaic.columns), ["x"], standard_name="projection_x_coordinate", units="m")
-        put("y", mosaic.y(0, mosaic.rows), ["y"], standard_name="projection_y_coordinate", units="m")
-        wkt = settings.crs or crs
-        transform = f"{mosaic.west!r} {mosaic.dx!r} 0.0 {mosaic.north!r} 0.0 {-mosaic.dy!r}"
-        attributes = {"GeoTransform": transform}
-        if wkt:
-            import pyproj
-
-            wkt = pyproj.CRS.from_user_input(wkt).to_wkt()
-            attributes |= {"crs_wkt": wkt, "spatial_ref": wkt}
-        put("spatial_ref", np.int64(0), [], **attributes)
+        put_raster_coordinates(results, receivers.mosaic, settings.crs or crs)
     else:
         values = np.asarray(getattr(receivers, "values"))  # noqa: B009  # PointReceivers have it
         for axis, name in enumerate("xyz"):
-            put(name, values[:, axis], ["point"])
+            _put(results, name, values[:, axis], ["point"])
     if suns.is_hourly:
-        put("month", np.arange(suns.word_count) // 24 + 1, ["word"])
-        put("hour", np.arange(suns.word_count) % 24, ["word"], note="local time; bit d - 1 of a word is day d")
+        _put(results, "month", np.arange(suns.word_count) // 24 + 1, ["word"])
+        note = "local time; bit d - 1 of a word is day d"
+        _put(results, "hour", np.arange(suns.word_count) % 24, ["word"], note=note)
     if suns.samples == 1:
-        put("word_of_sun", suns.word, ["sun"])
-        put("bit_of_sun", suns.bit, ["sun"])
+        _put(results, "word_of_sun", suns.word, ["sun"])
+        _put(results, "bit_of_sun", suns.bit, ["sun"])
     if suns.times:
         seconds = [round(datetime.datetime.fromisoformat(t).timestamp()) for t in suns.times]
-        put("time", np.array(seconds, np.int64), ["time"], units="seconds since 1970-01-01", calendar="standard",
-            note="the middle of each step, in UTC")  # fmt: skip
+        _put(results, "time", np.array(seconds, np.int64), ["time"], units="seconds since 1970-01-01",
+             calendar="standard", note="the middle of each step, in UTC")  # fmt: skip

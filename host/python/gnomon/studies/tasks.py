@@ -15,25 +15,35 @@ from numpy.typing import NDArray
 
 from . import planes
 from .energy import ENERGIES, energies, kilowatt_hours, true_normals
-from .plan import Plan
+from .plan import Plan, facts_in
 from .planes import Planes
 from .receivers import TileOfReceivers
+from .viewshed_plan import ViewshedPlan
 
 _lock = threading.Lock()
+#: By name, `array@leading index`, with the leading index.
+Values = dict[str, tuple[int, NDArray[Any]]]
 
 
-def open_plan(folder: str, plan_hash: str, device: str | None) -> Plan:
+def plan_in(folder: Path, device: str | None = None) -> Plan | ViewshedPlan:
+    """The plan in a study's folder, of suns or of a viewshed. Raises ValueError if the folder holds no study."""
+    facts = facts_in(folder)
+    return ViewshedPlan(folder, facts, device) if facts.get("kind") == "viewshed" else Plan.open(folder, device)
+
+
+def open_plan(folder: str, plan_hash: str, device: str | None) -> Plan | ViewshedPlan:
     """The plan in a study's folder, opened once per process and survey."""
+    survey = Path(folder) / "survey.npz"
     with _lock:
-        plan = _opened_plan(folder, device, (Path(folder) / "survey.npz").stat().st_mtime_ns, plan_hash)
+        plan = _opened_plan(folder, device, survey.stat().st_mtime_ns if survey.exists() else 0, plan_hash)
     if plan.hash != plan_hash:
         raise ValueError(f"{folder}: another run made a new plan while this run was working")
     return plan
 
 
 @functools.lru_cache(maxsize=2)
-def _opened_plan(folder: str, device: str | None, survey_time: int, plan_hash: str) -> Plan:
-    return Plan.open(Path(folder), device)
+def _opened_plan(folder: str, device: str | None, survey_time: int, plan_hash: str) -> Plan | ViewshedPlan:
+    return plan_in(Path(folder), device)
 
 
 def release_plans() -> None:
@@ -46,7 +56,7 @@ def run_task(folder: str, plan_hash: str, tile: int, block: int, device: str | N
     """Computes and writes a task, then its file. Returns the facts in it."""
     start = time.perf_counter()
     plan = open_plan(folder, plan_hash, device)
-    values, facts = compute_task(plan, tile, block)
+    values, facts = computed(plan, tile, block)
     chunks = {}
     for name, (leading, array) in values.items():
         indices = (leading, *plan.receivers.slices(tile))
@@ -54,14 +64,19 @@ def run_task(folder: str, plan_hash: str, tile: int, block: int, device: str | N
         key = f"{name.split('@')[0]}/c/{'/'.join(map(str, chunk))}"
         chunks[key] = plan.store.write(name.split("@")[0], indices, array, chunk)
     facts |= {"plan": plan.hash, "chunks": chunks, "seconds": round(time.perf_counter() - start, 3)}
-    facts |= {"device": repr(plan.decider.device), "host": platform.node()}
+    facts |= {"device": plan.device_name, "host": platform.node()}
     plan.store.mark_done(tile, block, facts)
     return facts
 
 
-def compute_task(plan: Plan, tile: int, block: int) -> tuple[dict[str, tuple[int, NDArray[Any]]], dict[str, Any]]:
+def computed(plan: Plan | ViewshedPlan, tile: int, block: int) -> tuple[Values, dict[str, Any]]:
     """The values that a task writes, by name (`array@leading index`), with the leading index; and facts for its
     file."""
+    return plan.compute(tile, block) if isinstance(plan, ViewshedPlan) else compute_task(plan, tile, block)
+
+
+def compute_task(plan: Plan, tile: int, block: int) -> tuple[Values, dict[str, Any]]:
+    """computed() for suns."""
     suns, words = plan.suns, plan.blocks[block]
     suns_of_block = np.flatnonzero(np.isin(suns.word, words))
     receivers = plan.tile(tile)
@@ -106,7 +121,7 @@ def compute_task(plan: Plan, tile: int, block: int) -> tuple[dict[str, tuple[int
         decisions += len(part.rows) * len(chosen)
         add(part.rows, chosen, (answer.lit, answer.undecided), normals)
     _add_unknown(plan, receivers, suns_of_block[np.argsort(bits[suns_of_block], kind="stable")], add)
-    values: dict[str, tuple[int, NDArray[Any]]] = {}
+    values: Values = {}
     for k, name in enumerate(("lit", "undecided")):
         for w, plane in zip(words if wants_bits else (), packed[k], strict=True):
             values[f"results.zarr/{name}@{w}"] = (int(w), plane.reshape(shape))
@@ -130,12 +145,25 @@ def _add_unknown(plan: Plan, receivers: TileOfReceivers, suns_of_block: NDArray[
 
 
 def sum_tile(folder: str, plan_hash: str, tile: int) -> dict[str, Any]:
-    """Adds the partial sums of a tile's blocks, rounds once, and writes its hours and sums of weights."""
+    """Adds the partial sums of a tile's blocks, and writes them."""
     plan = open_plan(folder, plan_hash, None)
     slices, key = plan.receivers.slices(tile), plan.receivers.key(tile)
+    sums, unread = (plan.sums(tile), []) if isinstance(plan, ViewshedPlan) else _sums_of_suns(plan, tile)
+    chunks = {}
+    for name, values in sums.items():
+        array = f"results.zarr/{name}"
+        chunks[f"{array}/c/{'/'.join(map(str, key))}"] = plan.store.write(array, slices, values, key)
+    facts = {"plan": plan.hash, "chunks": chunks, "of": plan.hash_of_blocks(tile), "unread": unread}
+    plan.store.mark_done(tile, None, facts)
+    return facts
+
+
+def _sums_of_suns(plan: Plan, tile: int) -> tuple[dict[str, NDArray[Any]], list[int]]:
+    """Hours, sums of weights and energies of a tile, each rounded once; and the caster tiles that it lacked."""
+    slices = plan.receivers.slices(tile)
     receivers = plan.tile(tile)
     is_valid = receivers.is_valid.reshape(tuple(s.stop - s.start for s in slices))
-    chunks = {}
+    sums = {}
     for output in plan.settings.outputs:
         if output == "bits":
             continue
@@ -153,8 +181,5 @@ def sum_tile(folder: str, plan_hash: str, tile: int) -> dict[str, Any]:
             else:
                 values = np.ldexp(total.astype(np.float64), plan.suns.exponent)
             values[~is_valid] = np.nan
-            array = f"results.zarr/{name}"
-            chunks[f"{array}/c/{'/'.join(map(str, key))}"] = plan.store.write(array, slices, values, key)
-    facts = {"plan": plan.hash, "chunks": chunks, "of": plan.hash_of_blocks(tile), "unread": sorted(receivers.unread)}
-    plan.store.mark_done(tile, None, facts)
-    return facts
+            sums[name] = values
+    return sums, sorted(receivers.unread)
