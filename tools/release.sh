@@ -100,4 +100,4 @@ python=$(environment site "${pythons[0]}" "${wheels[0]}[study]" mkdocs-material 
 step "Table"
 "$packaging/table.sh" "$out" docs/measurements/release
 
-step "Done: name this commit, $(git rev-parse --short HEAD), in tools/speed_guard.txt, and remove what that allows"
+step "Done: name this commit, $(git rev-parse HEAD), in tools/speed_guard.txt, and remove what that allows"

@@ -13,10 +13,13 @@
 // the receiver has; so the ray cannot meet the receiver farther on. If neither holds, no light is found to be dark.
 #include "horizons/strip_walk.clh"
 
-// Slopes from the pyramid round three times.
-#define SLOPE_ABOVE (1.0f + 0x1p-18f)
-#define SLOPE_BELOW (1.0f - 0x1p-18f)
+// A light's slope rounds once, those from the pyramid up to five times (tests/proofs/pyramid_slopes.v), also that of
+// the highest height, at which lanes_left() stops a walk.
+#define SLOPE_ABOVE (1.0f + 0x1.8p-21f)
+#define SLOPE_BELOW (1.0f - 0x1.8p-21f)
 #define SLOPE_WELL_BELOW (1.0f - 0x1p-16f)
+
+static LaneFloat height_in_units(LaneFloat z, const HeightField* field) { return (z - field->lowest) * field->units; }
 
 static FieldBlock load_field_block(const HorizonParams* params, size_t block, __global const float* positions,
                                    __global const uint* receivers) {
@@ -26,7 +29,7 @@ static FieldBlock load_field_block(const HorizonParams* params, size_t block, __
     made.at = lanes_over_ground(field->axis, points);
     made.x = (made.at.x - field->corner[0]) * field->halves;
     made.y = (made.at.y - field->corner[1]) * field->halves;
-    made.height = (made.at.z - field->lowest) * field->units;
+    made.height = height_in_units(made.at.z, field);
     LaneFloat zero = (LaneFloat)(0.0f);
     made.usable = valid_lanes(params->points, block) & present_lanes(points) & LANE_COMPARE(made.x, >=, zero) &
                   LANE_COMPARE(made.y, >=, zero) & LANE_COMPARE(made.x, <, (LaneFloat)(2.0f * field->columns)) &

@@ -111,8 +111,8 @@ static void make_parallel(LightFrame frame, const float* low, const float* high,
     // A point of this box that is not lit lies at most its margin, three times the padding, beyond the lit bounds.
     float beyond = 4.0f * PREPARED_PADDING * (largest + room) + 4.0f * PREPARED_UNDERFLOW;
     for (int i = 0; i < 2; ++i) {
-        domain->lit_low[i] = low[i] - (PREPARED_PADDING * largest + PREPARED_UNDERFLOW);
-        domain->lit_high[i] = high[i] + (PREPARED_PADDING * largest + PREPARED_UNDERFLOW);
+        domain->lit_low[i] = low[i] - prepared_padding(largest);
+        domain->lit_high[i] = high[i] + prepared_padding(largest);
         set_bound(bounds, i, domain->lit_low[i] - beyond, domain->lit_high[i] + beyond);
     }
 }

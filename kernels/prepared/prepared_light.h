@@ -55,6 +55,13 @@ static __global const PreparedDomain* prepared_domains_of(PreparedTables tables,
 #define PREPARED_PADDING (32.0f * GN_U)
 #define PREPARED_UNDERFLOW 0x1p-120f
 
+// By how much the grid coordinates of triangles up to `largest`, and of points, are moved
+// (tests/proofs/prepared_boxes.v).
+static float prepared_padding(float largest) { return PREPARED_PADDING * largest + PREPARED_UNDERFLOW; }
+static LaneFloat prepared_margin(PointBlock points) {
+    return (fabs(points.x) + fabs(points.y) + fabs(points.z)) * PREPARED_PADDING + PREPARED_UNDERFLOW;
+}
+
 // For the lanes in this frame: the lanes that are certainly lit, and the lanes for which the fit's bounds are valid.
 typedef struct PreparedAnswer {
     LaneInt lit, inside;
@@ -76,7 +83,7 @@ static PreparedAnswer prepared_answer(LightFrame frame, __global const PreparedD
         for (int i = 0; i < 3; ++i)
             answer.inside &= LANE_COMPARE(world[i], >=, (LaneFloat)(domain->world_low[i])) &
                              LANE_COMPARE(world[i], <=, (LaneFloat)(domain->world_high[i]));
-        margin = (fabs(points.x) + fabs(points.y) + fabs(points.z)) * PREPARED_PADDING + PREPARED_UNDERFLOW;
+        margin = prepared_margin(points);
         nearest = LANE_COMPARE(along(points, frame.axis_z) * frame.sign_z, >, (LaneFloat)(domain->top));
     }
     outside |= LANE_COMPARE(values.x - margin, >, (LaneFloat)(domain->lit_high[0])) |

@@ -72,23 +72,35 @@ static int det_sign(Arrow u, Arrow v, Arrow w) {
     return det3_sign(u.end, u.start, v.end, v.start, w.end, w.start, &level);
 }
 
-// The sign of det(u, v, r.a + r.b), for certain: the sum of two determinants.
-//
-// Float and double level: each determinant's bound is larger than its error (det3.clh). The rounding of their sum
-// changes no sign, and it changes the size by less than the factor 1.01, as do the roundings of the bounds' sum.
-static int det_pair_sign(Arrow u, Arrow v, Sector r) {
+// det(u, v, a) + det(u, v, b) from u x v, and what it must exceed to be certain. Each determinant's bound is larger
+// than its error (det3.clh). The rounding of their sum changes no sign, and it changes the size by less than the
+// factor 1.01, as do the roundings of the bounds' sum (tests/proofs/two_determinants.v).
+static float det3_float_of_two(Det3FloatCross cross_uv, float3 a, float3 b, float* bound) {
     float bound_a, bound_b;
-    Det3FloatCross cross_uv = det3_cross_float(u.end - u.start, v.end - v.start);
-    float3 a = r.a.end - r.a.start, b = r.b.end - r.b.start;
     float value = det3_float(cross_uv, a, fabs(a), &bound_a) + det3_float(cross_uv, b, fabs(b), &bound_b);
-    if (fabs(value) > 1.01f * (bound_a + bound_b)) return value > 0.0f ? 1 : -1;
+    *bound = 1.01f * (bound_a + bound_b);
+    return value;
+}
 #ifdef GN_FP64
-    Wide wide_a, wide_b;
-    Det3Row rows_uv = det3_cross(det3_row(u.end, u.start), det3_row(v.end, v.start));
-    Wide sum_of_wide = wide_add(det3_wide(rows_uv, det3_row(r.a.end, r.a.start), &wide_a),
-                                det3_wide(rows_uv, det3_row(r.b.end, r.b.start), &wide_b));
-    Wide bounds = wide_add(wide_a, wide_b);
-    bounds = wide_add(bounds, wide_mul(bounds, wide_power_of_two(-6)));
+static Wide det3_wide_of_two(Det3Row cross_uv, Det3Row a, Det3Row b, Wide* bound) {
+    Wide bound_a, bound_b;
+    Wide value = wide_add(det3_wide(cross_uv, a, &bound_a), det3_wide(cross_uv, b, &bound_b));
+    Wide bounds = wide_add(bound_a, bound_b);
+    *bound = wide_add(bounds, wide_mul(bounds, wide_power_of_two(-6)));
+    return value;
+}
+#endif
+
+// The sign of det(u, v, r.a + r.b), for certain: the sum of two determinants.
+static int det_pair_sign(Arrow u, Arrow v, Sector r) {
+    float bound;
+    float value = det3_float_of_two(det3_cross_float(u.end - u.start, v.end - v.start), r.a.end - r.a.start,
+                                    r.b.end - r.b.start, &bound);
+    if (fabs(value) > bound) return value > 0.0f ? 1 : -1;
+#ifdef GN_FP64
+    Wide bounds;
+    Wide sum_of_wide = det3_wide_of_two(det3_cross(det3_row(u.end, u.start), det3_row(v.end, v.start)),
+                                        det3_row(r.a.end, r.a.start), det3_row(r.b.end, r.b.start), &bounds);
     if (wide_less(bounds, wide_absolute(sum_of_wide)) || wide_is_zero(bounds)) return wide_sign(sum_of_wide);
 #endif
     Accumulator sum;

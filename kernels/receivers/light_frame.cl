@@ -6,7 +6,7 @@
 // The fit is conservative by padding. The raw coordinates below are off by at most 4u M (M the largest world
 // coordinate; 4u for ratios), the projected coordinates by point_error. The fit leaves FRAME_PADDING = 32u M and a
 // quarter of a texel on each side, so that every point's computed texel lies inside the grid, and the clamp of
-// texel_index never acts.
+// texel_index never acts (tests/proofs/frame_fit.v; frame_errors.v has point_error and height_error).
 #include "receivers/light_frame.h"
 
 #define FRAME_PADDING (32.0f * GN_U)

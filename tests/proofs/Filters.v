@@ -277,6 +277,67 @@ Proof.
 Qed.
 End Devices.
 
+(* ---- Where nothing underflows -------------------------------------------------------------------------------------- *)
+
+Definition any : Q := 2 ^ 129.
+Definition computed x e v := computes_normal x e v /\ within_limits x (Q2R any) (Q2R any) e.
+Lemma near x e v : computed x e v -> Rabs (v - real x e) <= alpha u32 (roundings e) * permanent x e.
+Proof. intros [C L]. exact (error_of_normal_numbers x any any e v L C). Qed.
+Lemma alpha_below k : (k <= 16)%nat -> alpha u32 k <= INR k * (1 + / 1048576) * / 16777216.
+Proof.
+  intros H. unfold alpha. replace u32 with (/ 16777216) by (unfold u32; simpl; lra).
+  do 17 (destruct k as [| k]; [simpl pow; simpl INR; lra |]). lia.
+Qed.
+Lemma alpha_at_least k : 0 <= alpha u32 k.
+Proof. apply alpha_positive. apply bpow_ge_0. Qed.
+
+(* One operation at a time, where the sum of absolute products says too little. *)
+Lemma one_rounding s v : rounds_normal s v -> Rabs (v - s) <= / 16777216 * Rabs s.
+Proof. intros R. apply rounds_normal_near in R. replace u32 with (/ 16777216) in R by (unfold u32; simpl; lra). lra. Qed.
+Lemma given_is x i v : computed x (Given i 0) v -> v = x i.
+Proof.
+  intros [C _]. inversion C as [ | ? ? ? H | | | | | | | | ]; subst. unfold alpha in H. simpl in H.
+  replace (1 - 1) with 0 in H by ring. rewrite Rmult_0_l in H. apply between in H. lra.
+Qed.
+Ltac by_step C := destruct C as [C L]; cbn [within_limits] in L; inversion C; subst;
+  repeat match goal with H : seen64 _ _ |- _ => unfold seen64 in H; subst end.
+Lemma step_diff x i j v : computed x (Diff i j) v -> Rabs (v - (x i - x j)) <= / 16777216 * Rabs (x i - x j).
+Proof. intros C. by_step C. now apply one_rounding. Qed.
+Lemma step_times x q a v : computed x (Times q a) v -> exists p, computed x a p /\
+  Rabs (v - Q2R q * p) <= / 16777216 * Rabs (Q2R q * p).
+Proof. intros C. by_step C. eexists; split; [split; eassumption | now apply one_rounding]. Qed.
+Lemma step_add x a b v : computed x (Add a b) v -> exists p q, computed x a p /\ computed x b q /\
+  Rabs (v - (p + q)) <= / 16777216 * Rabs (p + q).
+Proof. intros C. by_step C. do 2 eexists. repeat split; try eassumption; try tauto. now apply one_rounding. Qed.
+Lemma step_sub x a b v : computed x (Sub a b) v -> exists p q, computed x a p /\ computed x b q /\
+  Rabs (v - (p - q)) <= / 16777216 * Rabs (p - q).
+Proof. intros C. by_step C. do 2 eexists. repeat split; try eassumption; try tauto. now apply one_rounding. Qed.
+Lemma step_mul x a b v : computed x (Mul a b) v -> exists p q, computed x a p /\ computed x b q /\
+  Rabs (v - p * q) <= / 16777216 * Rabs (p * q).
+Proof. intros C. by_step C. do 2 eexists. repeat split; try eassumption; try tauto. now apply one_rounding. Qed.
+(* What is within b of 0 is off by at most u b. *)
+Lemma at_most v s b : Rabs (v - s) <= / 16777216 * Rabs s -> Rabs s <= b -> Rabs (v - s) <= / 16777216 * b.
+Proof. intros. eapply Rle_trans; [eassumption |]. apply Rmult_le_compat_l; lra. Qed.
+
+(* The same in double. *)
+Definition any64 : Q := 2 ^ 1025.
+Definition computed64 x e v := computes64 x e v /\ within_limits x (Q2R any64) (Q2R any64) e.
+Lemma near64 x e v : computed64 x e v -> Rabs (v - real x e) <= alpha u64 (roundings e) * permanent x e.
+Proof.
+  intros [C L]. assert (u0 : 0 <= u64) by apply bpow_ge_0. unfold computes64 in C.
+  assert (N := computed_is_near u64 0 u0 (Rle_refl 0) rounds64 seen64 rounds64_near seen64_near x _ _ e v L C).
+  assert (U : underflow u64 0 (Q2R any64) (Q2R any64) e = 0).
+  { clear. induction e; cbn [underflow]; unfold of_product; rewrite ?IHe, ?IHe1, ?IHe2, ?IHe3; ring. }
+  lra.
+Qed.
+Lemma alpha64_below k : (k <= 16)%nat -> alpha u64 k <= INR k * (1 + / 1048576) * / 9007199254740992.
+Proof.
+  intros H. unfold alpha. replace u64 with (/ 9007199254740992) by (unfold u64; simpl; lra).
+  do 17 (destruct k as [| k]; [simpl pow; simpl INR; lra |]). lia.
+Qed.
+Lemma alpha64_at_least k : 0 <= alpha u64 k.
+Proof. apply alpha_positive. apply bpow_ge_0. Qed.
+
 (* Closes `permanent x value <= permanent x size`, where both are equal, and `real x size = permanent x size`. *)
 Ltac same_products :=
   intros; cbn; repeat (rewrite Rabs_mult || rewrite Rabs_Rabsolu || rewrite (Rabs_pos_eq (Rabs _ * _ + _)));

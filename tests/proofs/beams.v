@@ -3,7 +3,7 @@
 
    Assumed: D has met one rounding (its scaling, or S - P), no coordinate of it exceeds 1, and no difference 2^21. The
    kernel multiplies the bound's factors with at most 5 roundings (BEAM_BOUND, the largest edge, reach, the sum): the last
-   lemma. Overflow: nothing exceeds 2^50. For point lights with D up to `reach` all of it is times reach: prose. *)
+   lemma. Overflow: nothing exceeds 2^50. Point lights: light_boxes.v. *)
 From Coq Require Import Reals QArith Lra Psatz.
 Require Import Roundings Devices Filters.
 

@@ -1,5 +1,5 @@
 (* SPDX-License-Identifier: MIT *)
-(* loose: BEAM_ROUNDING also serves the extents of leaves along a light's axes, which need 2.3e-6 of it: prose *)
+(* loose: BEAM_ROUNDING also serves the extents of leaves along a light's axes, which need 3.2e-6 of it (leaf_extents.v) *)
 (* beam_intersect.clh, parallel_packets.clh, converging_packets.clh: rays against the tree's boxes. A ray is never computed
    to enter a box later, or to leave it earlier, than it does; so no node that it meets is left out.
      enter_is_early, leave_is_late      parallel rays, t = (side - P) / D;
@@ -43,17 +43,7 @@ Open Scope R_scope.
 Section Boxes.
 Variable x : nat -> R.
 Variables D L : R.
-Definition any : Q := 2 ^ 129.
-Definition computed e v := computes_normal x e v /\ within_limits x (Q2R any) (Q2R any) e.
-Lemma near e v : computed e v -> Rabs (v - real x e) <= alpha u32 (roundings e) * permanent x e.
-Proof. intros [C H]. exact (error_of_normal_numbers x any any e v H C). Qed.
-Lemma alpha_below k : (k <= 8)%nat -> alpha u32 k <= INR k * (1 + / 1048576) * / 16777216.
-Proof.
-  intros H. unfold alpha. replace u32 with (/ 16777216) by (unfold u32; simpl; lra).
-  do 9 (destruct k as [| k]; [simpl pow; simpl INR; lra |]). lia.
-Qed.
-Lemma alpha_at_least k : 0 <= alpha u32 k.
-Proof. apply alpha_positive. apply bpow_ge_0. Qed.
+Local Notation computed := (computed x).
 
 (* ---- Parallel rays ---- *)
 Definition least_factor : Q := 161 # 167772160.

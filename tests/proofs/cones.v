@@ -3,8 +3,8 @@
    CONE_BOUNDS times the bound of one light. (The greatest has the same terms.)
 
    Assumed: no coordinate of the cone's vectors exceeds 1; no result is below 2^-126 unless it is 0 (BEAM_UNDERFLOW covers
-   underflow: prose). The kernel multiplies the bound's factors with at most 6 roundings. In prose: a box of point lights has
-   three radii and a `reach`, and its plane PLANE_BOUNDS. Overflow: nothing exceeds 2^50. *)
+   underflow: prose). The kernel multiplies the bound's factors with at most 6 roundings. A box of point
+   lights: light_boxes.v. Overflow: nothing exceeds 2^50. *)
 From Coq Require Import Reals QArith Lra Psatz.
 Require Import Roundings Devices Filters.
 
@@ -60,7 +60,6 @@ Proof. do 2 eexists. split; reflexivity. Qed.
 Definition thrice := Times 3 size.
 Definition constant : Q := kernels_constant * (1 # 3) * (1 - (7 # 2 ^ 24)).
 Definition least_bound := Eval vm_compute in (3 * rate u32Q value thrice / (1 - (7 # 2 ^ 24)))%Q.
-Definition any : Q := 2 ^ 129.
 
 Lemma products : permanent x value <= permanent x thrice.
 Proof.

@@ -5,8 +5,8 @@
    Assumed: the e are off by at most `bounds` together (det3_double.v, det3_float.v), the real ones have one sign and their
    sum is not 0 (the ray meets the triangle); no corner's coordinate exceeds greater_2, the largest; a quotient is off by
    2.5 ulp, as in float; no result is below 2^-1022 unless it is 0 (2^-50 covers underflow: prose). In prose: what the texels
-   and the bilinear mean do with a coordinate that is off by so much; the corners' alpha, a quotient like this one; the
-   filter of many hits at once, in float. Overflow: coordinates are at most 2^30 texels, e at most 2^390. *)
+   and the bilinear mean do with a coordinate that is off by so much (cut_out_means.v); the corners' alpha is a quotient
+   like this one; many hits at once: cut_out_lanes.v. Overflow: coordinates are at most 2^30 texels, e at most 2^390. *)
 From Coq Require Import Reals QArith Qreals Lra Psatz.
 From Flocq Require Import Core.
 Require Import Roundings Devices Filters.
@@ -57,21 +57,7 @@ Definition top := quotient_1_over.
 
 Section Hit.
 Variable x : nat -> R.
-Definition any : Q := 2 ^ 1025.
-Definition computed e v := computes64 x e v /\ within_limits x (Q2R any) (Q2R any) e.
-Lemma near e v : computed e v -> Rabs (v - real x e) <= alpha u64 (roundings e) * permanent x e.
-Proof.
-  intros [C L]. assert (u0 : 0 <= u64) by apply bpow_ge_0. unfold computes64 in C.
-  assert (N := computed_is_near u64 0 u0 (Rle_refl 0) rounds64 seen64 rounds64_near seen64_near x _ _ e v L C).
-  assert (U : underflow u64 0 (Q2R any) (Q2R any) e = 0).
-  { clear. induction e; cbn [underflow]; unfold of_product; rewrite ?IHe, ?IHe1, ?IHe2, ?IHe3; ring. }
-  lra.
-Qed.
-Lemma alpha_below k : (k <= 8)%nat -> alpha u64 k <= INR k * (1 + / 1048576) * h.
-Proof.
-  intros H. unfold alpha. replace u64 with (/ 9007199254740992) by (unfold u64; simpl; lra).
-  do 9 (destruct k as [| k]; [simpl pow; simpl INR; lra |]). lia.
-Qed.
+Local Notation computed := (computed64 x).
 
 (* The real barycentric coordinates, each off by its bound, and the hit's coordinate U. *)
 Variables E_a E_b E_c B_a B_b B_c U : R.
@@ -89,14 +75,14 @@ Proof. unfold S. repeat apply Rplus_le_le_0_compat; apply Rabs_pos. Qed.
 
 Lemma sum_near s : computed sum s -> Rabs (s - (E_a + E_b + E_c)) <= x bounds + 201 / 100 * h * S.
 Proof.
-  intros C. apply near in C. cbn -[u64 alpha] in C. assert (A := alpha_below 2 ltac:(lia)). simpl INR in A.
+  intros C. apply near64 in C. cbn -[u64 alpha] in C. assert (A := alpha64_below 2 ltac:(lia)). simpl INR in A.
   assert (P := Rmult_le_compat_r _ _ _ S0 A). unfold S in *. apply between in C. apply between in a_near. apply between in b_near. apply between in c_near.
   apply Rabs_le. lra.
 Qed.
 
 Lemma top_near t : computed top t -> Rabs (t - U * (E_a + E_b + E_c)) <= M * (x bounds + 301 / 100 * h * S).
 Proof.
-  intros C. apply near in C. cbn -[u64 alpha] in C. assert (A := alpha_below 3 ltac:(lia)). simpl INR in A.
+  intros C. apply near64 in C. cbn -[u64 alpha] in C. assert (A := alpha64_below 3 ltac:(lia)). simpl INR in A.
   assert (m0 := M0). assert (s0 := S0). assert (Z : 0 <= alpha u64 3) by (apply alpha_positive; apply bpow_ge_0).
   assert (P : Rabs (x e_a) * Rabs (x u_x) + Rabs (x e_b) * Rabs (x u_y) + Rabs (x e_c) * Rabs (x u_z) <= S * M).
   { assert (times : forall i j, Rabs (x j) <= M -> Rabs (x i) * Rabs (x j) <= Rabs (x i) * M).
@@ -140,10 +126,10 @@ Theorem texel_near s t v : computed sum s -> computed top t -> s <> 0 -> x quoti
   x side * (M * (2 * (x bounds + 4 * h * S) / Rabs s + Q2R of_side * h)) + 4 * h.
 Proof.
   intros Cs Ct s0 quotient usable C. assert (N := quotient_near _ _ Cs Ct s0). assert (m0 := M0). assert (p0 := S0).
-  apply near in C. cbn -[u64 alpha Q2R] in C. rewrite quotient in C.
+  apply near64 in C. cbn -[u64 alpha Q2R] in C. rewrite quotient in C.
   replace (Q2R (1 # 2)) with (/ 2) in C by (unfold Q2R; simpl; lra). rewrite (Rabs_pos_eq (/ 2)) in C by lra.
   rewrite (Rabs_pos_eq (x side)) in C by assumption.
-  assert (A := alpha_below 7 ltac:(lia)). simpl INR in A.
+  assert (A := alpha64_below 7 ltac:(lia)). simpl INR in A.
   assert (Z : 0 <= alpha u64 7) by (apply alpha_positive; apply bpow_ge_0).
   set (D := 2 * (x bounds + 4 * h * S) / Rabs s) in *. assert (s1 := Rabs_pos_lt _ s0).
   assert (b0 : 0 <= x bounds).

@@ -42,7 +42,6 @@ Proof. cbv [value real]. ring. Qed.
 
 Definition least_bound := Eval vm_compute in rate u32Q value size.
 
-Definition any : Q := 2 ^ 129.
 Theorem error v s :
   within_limits x (Q2R any) (Q2R any) value -> within_limits x (Q2R any) (Q2R any) size ->
   computes_normal x value v -> computes_normal x size s -> 0 <= s ->

@@ -10,12 +10,14 @@ the expressions, in their order, with the kernel's constants. They stand in the 
 
 so that what is proved is what runs. The operands of + and * are ordered by name, as their order changes no bit.
 A quotient or a maximum becomes an input of what uses it, quotient_1 or greater_1, after definitions of its two operands.
+A sign that is taken from a float's bits and given to others by their bits is left out: it turns values, not their errors.
 
 usage: expressions.py FILE...           fails if a proof's part is not what the kernels evaluate
        expressions.py --write FILE...   writes that part
 GNOMON_KERNELS_DIR names another folder of kernels, as for the programs.
 """
 import difflib
+import functools
 import os
 import re
 import shutil
@@ -84,7 +86,8 @@ def selection(condition, yes, no):
 # ---- LLVM's text -----------------------------------------------------------------------------------------------------
 
 OPERATIONS = {"fadd": "add", "fsub": "sub", "fmul": "mul", "fdiv": "div"}
-BUILTINS = {"fabs": "abs", "fma": "fma", "fmax": "max", "fmin": "min", "sqrt": "sqrt", "floor": "floor"}
+BUILTINS = {"fabs": "abs", "fma": "fma", "fmax": "max", "fmin": "min", "max": "max", "min": "min", "sqrt": "sqrt",
+            "floor": "floor"}
 TYPE = r"(?:<\d+ x [\w.]+>|\[[^\]]*\]|%?[\w.]+(?: addrspace\(\d+\))?\*?)"
 
 
@@ -120,7 +123,7 @@ class Probe:
         match = re.search(r"define [^@]*@(probe)\((.*)\) [^()\n]*\{\n((?:[^}].*\n|\n)*)\}", llvm)
         if not match:
             fail("the probe has no kernel")
-        self.values, self.outputs, self.inputs = {}, {}, []
+        self.values, self.outputs, self.inputs, self.copies = {}, {}, [], {}
         for parameter in split_operands(match.group(2)):
             kind, name = re.match(rf"({TYPE})", parameter).group(1), parameter.split("%")[-1]
             if kind.endswith("*"):
@@ -159,11 +162,19 @@ class Probe:
         return node(operation, *operands)
 
     def input(self, name):
+        first, _, path = name.partition("_")
+        name = "_".join([self.copies[first], path]) if first in self.copies else name
         if name not in self.inputs:
             self.inputs.append(name)
         return ("in", name)
 
     def execute(self, line):
+        if "@llvm.lifetime" in line:
+            return
+        if "@llvm.memcpy" in line:  # a local copy of an input
+            to, of = (self.value(o.split()[-1]) for o in split_operands(line[line.index("(") + 1:-1])[:2])
+            self.copies[to[1]] = of[1]
+            return
         if line.startswith("store "):
             what, where = split_operands(line[len("store "):])
             pointer = self.typed(where)
@@ -177,6 +188,12 @@ class Probe:
         self.values[target] = self.result(name, rest, line)
 
     def result(self, name, rest, line):
+        if name == "and" and rest.startswith("i32 ") and rest.endswith(", -2147483648"):
+            return ("sign",)
+        if name == "xor" and rest.startswith("i32 "):
+            a, b = (self.value(o) for o in split_operands(rest[len("i32 "):]))
+            if ("sign",) in (a, b):
+                return b if a == ("sign",) else a
         if name in OPERATIONS:
             kind = re.match(rf"{TYPE} ", rest).group(0)
             a, b = split_operands(rest)
@@ -199,6 +216,8 @@ class Probe:
             return self.each(name, self.typed(a), self.typed(kind + b))
         if name == "xor" and rest.startswith("i1 ") and rest.endswith(", true"):
             return negated(self.typed(rest.rsplit(",", 1)[0]))
+        if name == "alloca":
+            return ("pointer", line.split(" = ")[0].strip("%"), ())
         if name == "call":
             called, operands = re.search(r"@(\w[\w.]*)\((.*)\)", rest).groups()
             mangled = re.match(r"_Z(\d+)(\w+)", called)
@@ -206,6 +225,13 @@ class Probe:
             if builtin == "vload3":
                 _, name, path = self.typed(split_operands(operands)[1])
                 return [self.input("_".join(map(str, (name, *path[:-1], path[-1] + i)))) for i in range(3)]
+            if builtin == "select":
+                no, yes, condition = (self.typed(o) for o in split_operands(operands))
+                return [selection(*of) for of in zip(condition, yes, no)]
+            if builtin == "dot":  # any order of its sums has as few roundings
+                a, b = (self.typed(o) for o in split_operands(operands))
+                products = [node("mul", *of) for of in zip(a, b)]
+                return functools.reduce(lambda sum_so_far, one: node("add", sum_so_far, one), products)
             if builtin not in BUILTINS:
                 fail(f"unknown function: {line}")
             return self.each(BUILTINS[builtin], *(self.typed(o) for o in split_operands(operands)))
@@ -224,7 +250,7 @@ class Probe:
                 return [both[0]] * int(re.match(r"<(\d+)", mask).group(1))
             picks = re.findall(r"i32 (\w+)", mask.split(">", 1)[1])
             return [both[int(i)] if i.isdigit() else ("undef",) for i in picks]
-        if name in ("fpext", "uitofp") or (name == "bitcast" and "*" in rest):  # exact (of integers: below 2^24)
+        if name in ("fpext", "uitofp", "sitofp", "bitcast", "sext"):  # exact (of integers: below 2^24)
             return self.typed(rest.rsplit(" to ", 1)[0])
         if name == "getelementptr":
             parts = split_operands(rest)

@@ -117,7 +117,6 @@ Section Plane.
 Variable x : nat -> R.
 Open Scope R_scope.
 Hypotheses (X_in : Rabs (x X) <= x width) (Y_in : Rabs (x Y) <= x height).
-Definition any : Q := 2 ^ 129.
 
 (* L: the sum of the magnitudes that the margin multiplies with its constant. *)
 Definition of_largest := match margin with Times _ (Add _ (Times c _)) => c | _ => 0%Q end.

@@ -88,7 +88,6 @@ Proof.
     (Rabs_pos (x picture_2_2))). lra.
 Qed.
 
-Definition any : Q := 2 ^ 129.
 Theorem error v s :
   within_limits x (Q2R any) (Q2R any) value -> within_limits x (Q2R any) (Q2R any) scaled_size ->
   computes_normal x value v -> computes_normal x scaled_size s -> 0 <= s ->

@@ -53,3 +53,33 @@ refused planes_in_perspective
 noticed packets/parallel_packets.clh 's/PACKET_BOUND_OF_POINT 6.2e-7f/PACKET_BOUND_OF_POINT 5.8e-7f/' packets.v
 refused packets
 noticed beams/beam_intersect.clh 's/return side - origin + by/return side + by - origin/' boxes.v
+# The bounds of a whole frame, of prepared lights and of slopes of the pyramid: constants below what is proved.
+noticed receivers/light_frame.cl 's/FRAME_PADDING (32\.0f/FRAME_PADDING (28.0f/' frame_fit.v
+refused frame_fit
+noticed receivers/light_frame.cl 's/1\.01f \* PROJECTION_ERROR \* fmax/0.6f * PROJECTION_ERROR * fmax/' frame_errors.v
+refused frame_errors
+noticed prepared/prepared_light.h 's/PREPARED_PADDING (32\.0f/PREPARED_PADDING (8.0f/' prepared_boxes.v
+refused prepared_boxes
+noticed horizons/horizons.cl 's/SLOPE_BELOW (1\.0f - 0x1\.8p-21f)/SLOPE_BELOW (1.0f - 0x1p-22f)/' pyramid_slopes.v
+refused pyramid_slopes
+noticed beams/beam.h 's/BEAM_ROUNDING 4e-6f/BEAM_ROUNDING 3.1e-6f/' leaf_extents.v
+refused leaf_extents
+noticed packets/parallel_packets.clh 's/PACKET_BOUND_OF_HEIGHT 8\.0f/PACKET_BOUND_OF_HEIGHT 4.4f/' packet_heights.v
+refused packet_heights
+noticed receivers/footprint.h 's/(64\.0f \* GN_U) \* sizes/(26.0f * GN_U) * sizes/' footprints.v
+refused footprints
+# A bound that lacks one of its two; a plane's factor; a mean's; terms of the camera's rays and of its intervals.
+noticed receivers/backfacing.cl 's/1\.01f \* (bound_a + bound_b)/1.01f * bound_a/' two_determinants.v
+refused two_determinants
+noticed beams/beam_intersect.clh 's/PLANE_BOUNDS 1\.5f/PLANE_BOUNDS 1.1f/' light_boxes.v
+refused light_boxes
+noticed exact/cut_outs.clh 's/257\.0f/255.0f/' cut_out_means.v
+refused cut_out_means
+noticed exact/cut_outs.clh 's/16\.0f \* u) \* largest/9.0f * u) * largest/' cut_out_lanes.v
+refused cut_out_lanes
+noticed camera/camera_rays.clh 's/4\.0f \* (fabs(picture\.corner/3.0f * (fabs(picture.corner/' camera_rays.v
+refused camera_rays
+noticed camera/camera_rays.clh 's/5\.0e-7f/4.0e-7f/' nearness.v
+refused nearness
+# Operands exchanged, which compute the same in real numbers.
+noticed exact/cut_outs.clh 's/upper + g \* (lower - upper)/upper - g * (upper - lower)/' cut_out_means.v

@@ -68,7 +68,6 @@ Proof.
   lra.
 Qed.
 
-Definition any : Q := 2 ^ 129.
 Theorem error v s :
   within_limits x (Q2R any) (Q2R any) value -> within_limits x (Q2R any) (Q2R any) twice ->
   computes_normal x value v -> computes_normal x twice s -> 0 <= s -> Rabs (v - real x value) <= Q2R constant * s.

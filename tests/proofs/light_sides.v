@@ -57,7 +57,6 @@ Hypotheses (along_x : below_one cone_3_0) (along_y : below_one cone_3_1) (along_
 Definition thrice := Times 3 size.
 Definition constant : Q := bound_constant * (1 # 3) * (1 - (4 # 2 ^ 24)).
 Definition least_bound := Eval vm_compute in (3 * rate u32Q value thrice / (1 - (4 # 2 ^ 24)))%Q.
-Definition any : Q := 2 ^ 129.
 
 Lemma products : permanent x value <= permanent x thrice.
 Proof.

@@ -9,9 +9,8 @@
    Assumed: (u, v), the float vectors, are perpendicular and of unit length to 10^-4, so that u_i^2 + v_i^2 <= k^2 and no
    vector gets longer than k times its size, computed ones and differences of a computed and a real one included; no result
    is below 2^-126 unless it is 0 (2^-64 covers underflow: prose). In prose (parallel_packets.clh): that u and v are not
-   exactly perpendicular to D moves e by 1.75 u (S + R) (S + q); a wrong sign of the area; h, the height over the triangle,
-   8 m (S + |P_w|); a corner's height above P, 6.5e-7 (R + S), of which 5 u are needed: loose. Overflow: coordinates are at
-   most 2^19. *)
+   exactly perpendicular to D moves e by 1.75 u (S + R) (S + q); a wrong sign of the area. Heights: packet_heights.v.
+   Overflow: coordinates are at most 2^19. *)
 From Coq Require Import Reals QArith Qreals Lra Psatz.
 From Flocq Require Import Core.
 Require Import Roundings Devices Filters.
@@ -58,8 +57,6 @@ Definition bound_rest : Q := 1 # 18446744073709551616.
 Open Scope R_scope.
 Local Notation k := (1001 / 1000).
 Local Notation four := (401 / 100 * / 16777216).
-Definition any : Q := 2 ^ 129.
-Definition computed x e v := computes_normal x e v /\ within_limits x (Q2R any) (Q2R any) e.
 
 Lemma four_is : alpha u32 4 <= four.
 Proof. assert (F := four_roundings). lra. Qed.

@@ -153,7 +153,6 @@ Proof.
   assert (P3 := Rmult_le_compat_l _ _ _ S1 X_in). assert (P4 := Rmult_le_compat_l _ _ _ S2 Y_in). lra.
 Qed.
 
-Definition any : Q := 2 ^ 129.
 Theorem rounding v s :
   within_limits x (Q2R any) (Q2R any) height -> within_limits x (Q2R any) (Q2R any) twice ->
   computes_normal x height v -> computes_normal x twice s -> 0 <= s -> Rabs (v - real x height) <= Q2R constant * s.

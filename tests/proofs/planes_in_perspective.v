@@ -178,7 +178,6 @@ Proof.
   assert (G2 := Rmult_le_compat_r _ _ _ (Rabs_pos (x quotient_2)) Y_in). unfold reach in *. lra.
 Qed.
 
-Definition any : Q := 2 ^ 129.
 Theorem rounding v s :
   within_limits x (Q2R any) (Q2R any) height -> within_limits x (Q2R any) (Q2R any) largest ->
   computes_normal x height v -> computes_normal x largest s -> 0 <= s -> Rabs (v - real x height) <= Q2R constant * s.

@@ -87,7 +87,6 @@ Proof.
   unfold nx, ny, nz in *. lra.
 Qed.
 
-Definition any : Q := 2 ^ 129.
 Theorem error v s :
   within_limits x (Q2R any) (Q2R any) value -> within_limits x (Q2R any) (Q2R any) thrice ->
   computes_normal x value v -> computes_normal x thrice s -> 0 <= s -> Rabs (v - real x value) <= Q2R constant * s.

@@ -77,22 +77,14 @@ Definition over_bound :=
 (* end: from the kernels *)
 
 Open Scope R_scope.
-Definition any : Q := 2 ^ 129.
-Lemma alpha_below k : (k <= 16)%nat -> alpha u32 k <= INR k * (1 + / 1048576) * / 16777216.
-Proof.
-  intros H. unfold alpha. replace u32 with (/ 16777216) by (unfold u32; simpl; lra).
-  do 17 (destruct k as [| k]; [simpl pow; simpl INR; lra |]). lia.
-Qed.
 
 (* ---- A corner's numbers ---- *)
 Section Corner.
 Variable x : nat -> R.
 Hypotheses (along_x : Rabs (x sector_0_0) <= x halves) (along_y : Rabs (x sector_0_1) <= x halves).
 Hypotheses (across_x : Rabs (x sector_1_0) <= x halves) (across_y : Rabs (x sector_1_1) <= x halves).
-Definition computed e v := computes_normal x e v /\ within_limits x (Q2R any) (Q2R any) e.
+Local Notation computed := (computed x).
 
-Lemma near e v : computed e v -> Rabs (v - real x e) <= alpha u32 (roundings e) * permanent x e.
-Proof. intros [C L]. exact (error_of_normal_numbers x any any e v L C). Qed.
 
 Lemma along_strip_near s t v d : Rabs (x s) <= x halves -> Rabs (x t) <= x halves ->
   computed (Fma (Given s 2) (Diff a_x at_x) (Mul (Given t 2) (Diff a_y at_y))) v -> computed distance d ->

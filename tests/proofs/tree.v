@@ -1,5 +1,5 @@
 (* SPDX-License-Identifier: MIT *)
-(* loose: BEAM_ROUNDING also serves the extents of leaves along a light's axes, which need 2.3e-6 of it: prose *)
+(* loose: BEAM_ROUNDING also serves the extents of leaves along a light's axes, which need 3.2e-6 of it (leaf_extents.v) *)
 (* beam_sides.clh: the planes of a beam against the tree's boxes and triangles. What lies on the rays' side of a plane is
    never computed beyond the plane's limit, so that no node and no triangle that a ray meets is left out.
 
@@ -43,7 +43,6 @@ Let in_scene i := Rabs (x i) <= L.
 Hypotheses (n_x_in : below_one n_x) (n_y_in : below_one n_y) (n_z_in : below_one n_z).
 Hypotheses (X_x_in : in_scene X_x) (X_y_in : in_scene X_y) (X_z_in : in_scene X_z).
 Hypotheses (P_x_in : in_scene P_x) (P_y_in : in_scene P_y) (P_z_in : in_scene P_z).
-Definition any : Q := 2 ^ 129.
 
 (* Twice three products that round three times, and the limit's sum. *)
 Definition least_factor : Q := 22 # 16777216.

@@ -81,7 +81,7 @@ def _format_of(file: Path, data: bytes) -> tuple[str, Callable[[Path, bytes], Ro
         return "NSRDB's CSV", _nsrdb
     if suffix == ".tm2" or re.match(rb" ?\d{5} [^,]* [NS] +\d+ +\d+ +[EW] ", start):
         return "a TMY2 file", _tmy2
-    return "a TMY3 table (what no other format begins with)", _tmy3
+    return "a TMY3 table", _tmy3
 
 
 def _text(data: bytes) -> io.StringIO:

@@ -1,0 +1,195 @@
+(* SPDX-License-Identifier: MIT *)
+(* cut_outs.clh, lanes_texels(): a texture coordinate of one of many hits, in texels, from the float level's e (docs/numerics.md,
+   15).
+     lost_near       what the e and their sum are off by, as computed;
+     quotient_near   the quotient of what is computed;
+     texel_near      the coordinate in texels.
+
+   Assumed: each e is off by at most its bound less 4 % (det3_float.v has 4.8 %), the real ones have one sign and their
+     sum is
+   not 0 (the ray meets the triangle); no corner's coordinate exceeds greater_4; a quotient is off by 2.5 ulp; no result is
+   below 2^-126 unless it is 0 (4 u covers it: prose). A greater of two is at least both.
+   In prose: what a texel's class does with a coordinate that is
+   certain to half a texel. Overflow: coordinates are below 2^20 texels, e at most 2^66. *)
+From Coq Require Import Reals QArith Qreals Lra Psatz.
+From Flocq Require Import Core.
+Require Import Roundings Devices Filters.
+
+(* begin: from the kernels, by expressions.py *)
+Definition e_a := 0%nat.
+Definition e_b := 1%nat.
+Definition e_c := 2%nat.
+Definition bound_a := 3%nat.
+Definition bound_b := 4%nat.
+Definition bound_c := 5%nat.
+Definition u_x := 6%nat.
+Definition u_y := 7%nat.
+Definition u_z := 8%nat.
+Definition v_x := 9%nat.
+Definition v_y := 10%nat.
+Definition v_z := 11%nat.
+Definition width := 12%nat.
+Definition height := 13%nat.
+Definition quotient_1 := 14%nat.
+Definition greater_1 := 15%nat.
+Definition greater_2 := 16%nat.
+Definition greater_3 := 17%nat.
+Definition greater_4 := 18%nat.
+Definition greater_5 := 19%nat.
+Definition quotient_2 := 20%nat.
+Definition sum :=
+  Add (Add (Given e_a 0) (Given e_b 0)) (Given e_c 0).
+Definition lost :=
+  Add (Add (Add (Given bound_a 0) (Given bound_b 0)) (Given bound_c 0)) (Times (1 # 4194304) (Add (Abs (Given e_c
+    0)) (Add (Abs (Given e_a 0)) (Abs (Given e_b 0))))).
+Definition quotient_1_over :=
+  Add (Add (Mul (Given e_a 0) (Given u_x 0)) (Mul (Given e_b 0) (Given u_y 0))) (Mul (Given e_c 0) (Given u_z 0)).
+Definition quotient_1_under :=
+  sum.
+Definition texel :=
+  Mul (Given quotient_1 5) (Given width 0).
+Definition greater_1_one :=
+  Abs (Given v_y 0).
+Definition greater_1_other :=
+  Abs (Given v_z 0).
+Definition greater_2_one :=
+  Abs (Given v_x 0).
+Definition greater_2_other := Given greater_1 0.
+Definition greater_3_one :=
+  Abs (Given u_y 0).
+Definition greater_3_other :=
+  Abs (Given u_z 0).
+Definition greater_4_one :=
+  Abs (Given u_x 0).
+Definition greater_4_other := Given greater_3 0.
+Definition greater_5_one :=
+  Mul (Given height 0) (Given greater_2 0).
+Definition greater_5_other :=
+  Mul (Given width 0) (Given greater_4 0).
+(* quotient_2_over = quotient_2_over_constant * lost *)
+Definition quotient_2_over_constant : Q := 2 # 1.
+Definition quotient_2_under :=
+  Abs quotient_1_under.
+Definition error :=
+  Mul (Given greater_5 0) (Times (4404019 # 4194304) (Add (Const (1 # 1048576)) (Given quotient_2 5))).
+Definition error_rest : Q := 1 # 4194304.
+(* end: from the kernels *)
+
+Open Scope R_scope.
+Local Notation u := (/ 16777216).
+Definition top := quotient_1_over.
+
+Section Hit.
+Variable x : nat -> R.
+Local Notation computed := (computed x).
+Variables E_a E_b E_c U : R.  (* the real barycentric coordinates, and the hit's coordinate *)
+Let near_e e E b := Rabs (x e - E) <= 96 / 100 * x b.
+Hypotheses (a_near : near_e e_a E_a bound_a) (b_near : near_e e_b E_b bound_b) (c_near : near_e e_c E_c bound_c).
+Let M := x greater_4.
+Hypotheses (u_x_in : Rabs (x u_x) <= M) (u_y_in : Rabs (x u_y) <= M) (u_z_in : Rabs (x u_z) <= M) (U_in : Rabs U <= M).
+Hypothesis U_is : U * (E_a + E_b + E_c) = E_a * x u_x + E_b * x u_y + E_c * x u_z.
+Let S := Rabs (x e_a) + Rabs (x e_b) + Rabs (x e_c).
+Let B := x bound_a + x bound_b + x bound_c.
+
+Lemma M0 : 0 <= M.
+Proof. eapply Rle_trans; [apply Rabs_pos | exact U_in]. Qed.
+Lemma S0 : 0 <= S.
+Proof. unfold S. repeat apply Rplus_le_le_0_compat; apply Rabs_pos. Qed.
+Lemma b0 : 0 <= x bound_a /\ 0 <= x bound_b /\ 0 <= x bound_c.
+Proof. repeat split; [assert (H := Rle_trans _ _ _ (Rabs_pos _) a_near) | assert (H := Rle_trans _ _ _ (Rabs_pos _)
+  b_near) |
+  assert (H := Rle_trans _ _ _ (Rabs_pos _) c_near)]; lra. Qed.
+
+Theorem lost_near l : computed lost l -> 999 / 1000 * (B + 4 * u * S) <= l.
+Proof.
+  intros C. apply near in C. destruct b0 as (b1 & b2 & b3). assert (s0 := S0). unfold S, B in *.
+  assert (A := alpha_below (roundings lost) ltac:(vm_compute; lia)). cbn [roundings lost max Nat.max] in A.
+  cbn -[u32 alpha Q2R] in C. rewrite !(Rabs_pos_eq (Q2R _)), (Rabs_pos_eq (x bound_a)), (Rabs_pos_eq (x bound_b)),
+    (Rabs_pos_eq (x bound_c)) in C
+    by (try (unfold Q2R; simpl); lra).
+  replace (Q2R (1 # 4194304)) with (4 * u) in C by (unfold Q2R; simpl; lra). simpl INR in A.
+  set (P := x bound_a + x bound_b + x bound_c + 4 * u * (Rabs (x e_c) + (Rabs (x e_a) + Rabs (x e_b)))) in *.
+  assert (E := Rmult_le_compat_r P _ _ ltac:(unfold P; lra) A). apply between in C. unfold P in *. lra.
+Qed.
+
+Lemma sum_near s : computed sum s -> Rabs (s - (E_a + E_b + E_c)) <= 96 / 100 * B + 201 / 100 * u * S.
+Proof.
+  intros C. apply near in C. cbn -[u32 alpha] in C. assert (A := alpha_below 2 ltac:(lia)). simpl INR in A.
+  assert (P := Rmult_le_compat_r _ _ _ S0 A). unfold S, B, near_e in *.
+  apply between in C. apply between in a_near. apply between in b_near. apply between in c_near. apply Rabs_le. lra.
+Qed.
+Lemma top_near t : computed top t -> Rabs (t - U * (E_a + E_b + E_c)) <= M * (96 / 100 * B + 301 / 100 * u * S).
+Proof.
+  intros C. apply near in C. cbn -[u32 alpha] in C. assert (A := alpha_below 3 ltac:(lia)). simpl INR in A.
+  assert (m0 := M0). assert (s0 := S0).
+  assert (P : Rabs (x e_a) * Rabs (x u_x) + Rabs (x e_b) * Rabs (x u_y) + Rabs (x e_c) * Rabs (x u_z) <= S * M).
+  { assert (times : forall i j, Rabs (x j) <= M -> Rabs (x i) * Rabs (x j) <= Rabs (x i) * M).
+    { intros. apply Rmult_le_compat_l; auto using Rabs_pos. }
+    assert (T1 := times e_a _ u_x_in). assert (T2 := times e_b _ u_y_in). assert (T3 := times e_c _ u_z_in). unfold S.
+    lra. }
+  assert (P0 : 0 <= Rabs (x e_a) * Rabs (x u_x) + Rabs (x e_b) * Rabs (x u_y) + Rabs (x e_c) * Rabs (x u_z)).
+  { repeat apply Rplus_le_le_0_compat; apply Rmult_le_pos; apply Rabs_pos. }
+  assert (G := Rmult_le_compat _ _ _ _ (alpha_at_least 3) P0 A P).
+  assert (moves : forall e E b j, near_e e E b -> Rabs (x j) <= M -> Rabs (x e * x j - E * x j) <= 96 / 100 * x b * M).
+  { intros e E b j He Hj. replace (x e * x j - E * x j) with ((x e - E) * x j) by ring. rewrite Rabs_mult.
+    apply Rmult_le_compat; auto using Rabs_pos. }
+  assert (V1 := moves _ _ _ _ a_near u_x_in). assert (V2 := moves _ _ _ _ b_near u_y_in).
+  assert (V3 := moves _ _ _ _ c_near u_z_in). rewrite U_is.
+  assert (SM : 0 <= S * M) by (apply Rmult_le_pos; lra). unfold B.
+  apply between in C. apply between in V1. apply between in V2. apply between in V3. apply Rabs_le. lra.
+Qed.
+
+(* What the kernel divides by the sum, in real numbers. *)
+Let D s := 2 * (B + 4 * u * S) / Rabs s.
+Theorem quotient_near s t : computed sum s -> computed top t -> s <> 0 -> Rabs (t / s - U) <= M * (97 / 100 * D s).
+Proof.
+  intros Cs Ct s0. assert (Ns := sum_near _ Cs). assert (Nt := top_near _ Ct). assert (m0 := M0). assert (p0 := S0).
+  destruct b0 as (b1 & b2 & b3). assert (B0 : 0 <= B) by (unfold B; lra). assert (s1 := Rabs_pos_lt _ s0).
+  replace (t / s - U) with (((t - U * (E_a + E_b + E_c)) + - (U * (s - (E_a + E_b + E_c)))) * / s) by (field; auto).
+  rewrite Rabs_mult, Rabs_inv.
+  replace (M * (97 / 100 * D s)) with (M * (97 / 50 * (B + 4 * u * S)) * / Rabs s) by (unfold D; field; lra).
+  apply Rmult_le_compat_r; [left; apply Rinv_0_lt_compat, s1 |].
+  eapply Rle_trans; [apply Rabs_triang |]. rewrite Rabs_Ropp, Rabs_mult.
+  assert (G := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) U_in Ns).
+  assert (MB : 0 <= M * B) by (apply Rmult_le_pos; auto). assert (MS : 0 <= M * (u * S)) by (apply Rmult_le_pos; [| apply
+    Rmult_le_pos]; lra). lra.
+Qed.
+
+(* The quotient is off by 5 roundings, then the product by one. *)
+Definition least_term : Q := 91 # 167772160.
+Hypothesis width0 : 0 <= x width.
+Theorem texel_near s t v : computed sum s -> computed top t -> s <> 0 -> x quotient_1 = t / s -> D s <= 501 / 1000 ->
+  computed texel v -> Rabs (v - U * x width) <= x width * M * (98 / 100 * D s + Q2R least_term).
+Proof.
+  intros Cs Ct s0 quotient usable C. assert (N := quotient_near _ _ Cs Ct s0). assert (m0 := M0). assert (p0 := S0).
+  apply near in C. cbn -[u32 alpha] in C. rewrite quotient in C. rewrite (Rabs_pos_eq (x width)) in C by assumption.
+  assert (A := alpha_below 6 ltac:(lia)). simpl INR in A. destruct b0 as (b1 & b2 & b3). assert (s1 := Rabs_pos_lt _ s0).
+  assert (D0 : 0 <= D s).
+  { unfold D, Rdiv. apply Rmult_le_pos; [unfold B; lra | left; apply Rinv_0_lt_compat, s1]. }
+  assert (MD : M * D s <= M * (501 / 1000)) by (apply Rmult_le_compat_l; auto).
+  assert (size : Rabs (t / s) <= 3 / 2 * M).
+  { replace (t / s) with ((t / s - U) + U) by ring. eapply Rle_trans; [apply Rabs_triang |]. lra. }
+  assert (sizes := Rmult_le_compat_r _ _ _ width0 size).
+  assert (Q0 : 0 <= Rabs (t / s) * x width) by (apply Rmult_le_pos; auto using Rabs_pos).
+  assert (G := Rmult_le_compat _ _ _ _ (alpha_at_least 6) Q0 A sizes).
+  replace (v - U * x width) with ((v - t / s * x width) + (t / s - U) * x width) by ring.
+  eapply Rle_trans; [apply Rabs_triang |]. rewrite Rabs_mult, (Rabs_pos_eq (x width)) by assumption.
+  assert (G2 := Rmult_le_compat_r _ _ _ width0 N).
+  replace (Q2R least_term) with (91 / 10 * u) by (unfold Q2R, least_term; simpl; lra).
+  assert (MW : 0 <= M * x width) by (apply Rmult_le_pos; auto).
+  assert (MWD : 0 <= M * x width * D s) by (apply Rmult_le_pos; auto). lra.
+Qed.
+End Hit.
+
+(* The kernel's error has the same form, times 1.05, which covers its own roundings and those of `lost`. *)
+Definition inflation : Q := match error with Mul _ (Times i _) => i | _ => 0%Q end.
+Definition kernels_term : Q := match error with Mul _ (Times _ (Add (Const c) _)) => c | _ => 0%Q end.
+Lemma error_is : error = Mul (Given greater_5 0) (Times inflation (Add (Const kernels_term) (Given quotient_2 5))) /\
+  quotient_2_under = Abs sum /\ quotient_2_over_constant = 2%Q /\ greater_5_other = Mul (Given width 0) (Given greater_4 0).
+Proof. repeat split; reflexivity. Qed.
+Lemma inflation_is_enough : (1 <= inflation * (999 # 1000) * (1 - alphaQ u32Q 16) /\ least_term <= kernels_term)%Q.
+Proof. vm_compute. split; discriminate. Qed.
+Definition constants := Eval vm_compute in shown least_term kernels_term.
+Print constants.
+Definition checked := (lost_near, quotient_near, texel_near, inflation_is_enough).
+Print Assumptions checked.
