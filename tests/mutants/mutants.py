@@ -2,11 +2,12 @@
 # SPDX-License-Identifier: MIT
 """Plants the faults of mutants.txt in copies of the kernels, one at a time, and sees that the named check notices each.
 
-usage: mutants.py BUILD [--turn N|git | --all]     BUILD: a build folder with the tests
---turn N runs the ten faults whose turn it is (`git`: by the number of the commit), --all all of them; else it only sees
-that each fault's text is still in the kernels. A fault that its check does not notice is an error; so is a noticed one
+usage: mutants.py BUILD [--turn N|git | --all [--table FILE]]     BUILD: a build folder with the tests
+--turn N runs the ten faults whose turn it is (`git`: by the number of the commit), --all all of them, and --table writes
+a row for each to FILE; else it only sees that each fault's text is still in the kernels. A fault that its check does not notice is an error; so is a noticed one
 that the list calls equivalent, or says to survive: it is tried with the first test that the list has for its file.
 """
+import csv
 import os
 import shutil
 import subprocess
@@ -50,7 +51,8 @@ def is_noticed(check, folder, build):
 
 
 def run(faults, build):
-    survivors = 0
+    """The number of faults with the wrong verdict, and a row for each."""
+    survivors, rows = 0, []
     with tempfile.TemporaryDirectory() as made:
         for fault in faults:
             plant(fault, Path(made) / "kernels")
@@ -64,7 +66,15 @@ def run(faults, build):
             verdict = "noticed" if noticed else check if may_live else "SURVIVES"
             seconds = time.monotonic() - began
             print(f"{file}: '{old}' -> '{new}': {verdict} ({', '.join(checks)}; {seconds:.0f} s)", flush=True)
-    return survivors
+            rows.append([f"{old} -> {new}", file, file.split("/")[0], checks[0] if noticed else verdict, f"{seconds:.1f}"])
+    return survivors, rows
+
+
+def write_table(rows, file):
+    with open(file, "w", newline="") as table:
+        writer = csv.writer(table, lineterminator="\n")
+        writer.writerow(["mutant", "file", "stage", "noticed_by", "seconds"])
+        writer.writerows(rows)
 
 
 def main():
@@ -83,7 +93,10 @@ def main():
             for fault in faults:
                 plant(fault, Path(made) / "kernels")
         chosen = []
-    sys.exit(1 if run(chosen, build) else 0)
+    survivors, rows = run(chosen, build)
+    if "--table" in sys.argv:
+        write_table(rows, sys.argv[sys.argv.index("--table") + 1])
+    sys.exit(1 if survivors else 0)
 
 
 if __name__ == "__main__":
