@@ -68,6 +68,10 @@ noticed packets/parallel_packets.clh 's/PACKET_BOUND_OF_HEIGHT 8\.0f/PACKET_BOUN
 refused packet_heights
 noticed receivers/footprint.h 's/(64\.0f \* GN_U) \* sizes/(26.0f * GN_U) * sizes/' footprints.v
 refused footprints
+noticed samples/footprints.clh 's/1.01f \* (rest + error + (50\.0f/1.01f * (rest + error + (34.0f/' spread.v
+refused spread
+noticed occluders/hull_bounds.clh 's/BOUND_INFLATION 1\.01f/BOUND_INFLATION 1.009f/' rectangles.v
+refused rectangles
 # A bound that lacks one of its two; a plane's factor; a mean's; terms of the camera's rays and of its intervals.
 noticed receivers/backfacing.cl 's/1\.01f \* (bound_a + bound_b)/1.01f * bound_a/' two_determinants.v
 refused two_determinants

@@ -1,0 +1,185 @@
+(* SPDX-License-Identifier: MIT *)
+(* footprints.clh: a footprint contains its shading points (docs/numerics.md, 9).
+     footprint_has_its_points       made from the hits of four rays;
+     parallelogram_has_its_points   made from two sides of the receiver: in both the points need 34.1 u of the 50 u.
+
+   Assumed: a hit on the plane is a mean of the four corners' (projective maps keep hulls: prose), or lies in the
+   receiver; a shading point is within 9 ulp of it (camera.h), 18 u of the larger of hit and eye; `largest` is at least
+   each coordinate of the hits, of the receiver's corners and of the eye; `rest` is at least |twist|; `error` is more
+   than .993 times what the corners are off by; no result is below 2^-126 unless it is 0. The other 16 u are for sums of
+   positions in facing_bounds.clh, in prose: at most 11 u there. Overflow: no footprint is used whose spread or
+   positions reach 1e30. *)
+From Coq Require Import Reals QArith Qreals Lra Lia Psatz.
+From Flocq Require Import Core.
+Require Import Roundings Devices Filters.
+
+(* begin: from the kernels, by expressions.py *)
+Definition hit_0 := 0%nat.
+Definition hit_1 := 1%nat.
+Definition hit_2 := 2%nat.
+Definition hit_3 := 3%nat.
+Definition rest := 4%nat.
+Definition error := 5%nat.
+Definition largest := 6%nat.
+Definition a := 7%nat.
+Definition b := 8%nat.
+Definition c := 9%nat.
+Definition centre :=
+  Times (1 # 4) (Add (Add (Add (Given hit_0 0) (Given hit_1 0)) (Given hit_2 0)) (Given hit_3 0)).
+Definition along_u :=
+  Times (1 # 4) (Add (Given hit_3 0) (Sub (Diff hit_1 hit_0) (Given hit_2 0))).
+Definition along_v :=
+  Times (1 # 4) (Add (Add (Given hit_2 0) (Sub (Neg (Given hit_1 0)) (Given hit_0 0))) (Given hit_3 0)).
+Definition twist :=
+  Times (1 # 4) (Add (Given hit_3 0) (Sub (Diff hit_0 hit_1) (Given hit_2 0))).
+Definition spread :=
+  Add (Const (332307 # 332306998946228968225951765070086144)) (Times (4236247 # 4194304) (Add (Add (Given error 0)
+    (Given rest 0)) (Times (25 # 8388608) (Given largest 0)))).
+Definition own_centre :=
+  Add (Add (Times (1 # 2) (Diff b a)) (Times (1 # 2) (Diff c a))) (Given a 0).
+Definition own_u :=
+  Times (1 # 2) (Diff b a).
+Definition own_v :=
+  Times (1 # 2) (Diff c a).
+(* own_spread = own_spread_constant * (Given largest 0) *)
+Definition own_spread_constant : Q := 25 # 8388608.
+Definition own_spread_rest : Q := 332307 # 332306998946228968225951765070086144.
+(* end: from the kernels *)
+
+Open Scope R_scope.
+Local Notation u := (/ 16777216).
+
+(* The kernel's text: the constants of both spreads. *)
+Definition spread_of (r i c : Q) := Add (Const r) (Times i (Add (Add (Given error 0) (Given rest 0)) (Times c (Given
+  largest
+  0)))).
+Definition inflation : Q := match spread with Add _ (Times i _) => i | _ => 0%Q end.
+Definition of_largest : Q := match spread with Add _ (Times _ (Add _ (Times c _))) => c | _ => 0%Q end.
+Definition of_nothing : Q := match spread with Add (Const r) _ => r | _ => 0%Q end.
+Lemma kernel_is : spread = spread_of of_nothing inflation of_largest.
+Proof. reflexivity. Qed.
+Definition least_inflation : Q := 10099 # 10000.
+Definition least_of_largest : Q := 341 # 167772160.
+
+Lemma near_of_size x e v k p L : computed x e v -> roundings e = k -> (k <= 16)%nat -> permanent x e <= p * L -> 0 <=
+  p ->
+  0 <= L -> Rabs (v - real x e) <= INR k * (1 + / 1048576) * u * (p * L).
+Proof.
+  intros C K k16 P p0 L0. apply near in C. rewrite K in C. assert (A := alpha_below k k16).
+  assert (G := Rmult_le_compat _ _ _ _ (alpha_at_least k) (permanent_positive x e) A P). lra.
+Qed.
+Lemma times_in t y z : -1 <= t <= 1 -> Rabs y <= z -> - z <= t * y <= z.
+Proof.
+  intros T Y. apply between. rewrite Rabs_mult. assert (t1 : Rabs t <= 1) by (apply Rabs_le; lra).
+  assert (G := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) t1 Y). lra.
+Qed.
+
+Section Hits.
+Variable x : nat -> R.
+Let L := x largest.
+Variables H0 H1 H2 H3 off P : R.  (* the real hits, what the computed ones are off by, and a shading point *)
+Hypotheses (near_0 : Rabs (x hit_0 - H0) <= off) (near_1 : Rabs (x hit_1 - H1) <= off).
+Hypotheses (near_2 : Rabs (x hit_2 - H2) <= off) (near_3 : Rabs (x hit_3 - H3) <= off).
+Hypotheses (in_0 : Rabs (x hit_0) <= L) (in_1 : Rabs (x hit_1) <= L) (in_2 : Rabs (x hit_2) <= L) (in_3 : Rabs (x
+  hit_3) <= L).
+Hypothesis off_below : off <= 1008 / 1000 * x error.
+Variables m0 m1 m2 m3 : R.  (* the hit is a mean of the corners' *)
+Hypotheses (m_positive : 0 <= m0 /\ 0 <= m1 /\ 0 <= m2 /\ 0 <= m3) (m_sum : m0 + m1 + m2 + m3 = 1).
+Hypothesis P_near : Rabs (P - (m0 * H0 + m1 * H1 + m2 * H2 + m3 * H3)) <= 18 * u * (L + off).
+Variables r i c : Q.
+Hypotheses (r0 : 0 <= Q2R r) (i_in : Q2R least_inflation <= Q2R i) (c_in : Q2R least_of_largest <= Q2R c).
+
+Theorem footprint_has_its_points vC vU vV vR s :
+  computed x centre vC -> computed x along_u vU -> computed x along_v vV -> computed x twist vR -> Rabs vR <= x rest
+    ->
+  computed x (spread_of r i c) s ->
+  exists a b, -1 <= a <= 1 /\ -1 <= b <= 1 /\ Rabs (P - (vC + a * vU + b * vV)) <= s.
+Proof.
+  intros CC CU CV CR rest_in Cs.
+  assert (L0 := Rle_trans _ _ _ (Rabs_pos _) in_0). assert (off0 := Rle_trans _ _ _ (Rabs_pos _) near_0).
+  assert (quarter : Rabs (Q2R (1 # 4)) = / 4) by (rewrite Rabs_pos_eq by (unfold Q2R; simpl; lra); unfold Q2R; simpl;
+    lra).
+  assert (four : Q2R (1 # 4) = / 4) by (unfold Q2R; simpl; lra).
+  assert (diff : forall j k, Rabs (x j) <= L -> Rabs (x k) <= L -> Rabs (x j - x k) <= 2 * L).
+  { intros j k J K. apply between in J, K. apply Rabs_le. lra. }
+  assert (d10 := diff _ _ in_1 in_0). assert (d01 := diff _ _ in_0 in_1).
+  assert (NC := near_of_size _ _ _ 4 1 L CC eq_refl ltac:(lia) ltac:(cbn -[Q2R]; rewrite quarter; lra) ltac:(lra) L0).
+  assert (NU := near_of_size _ _ _ 4 1 L CU eq_refl ltac:(lia) ltac:(cbn -[Q2R]; rewrite quarter; lra) ltac:(lra) L0).
+  assert (NV := near_of_size _ _ _ 4 1 L CV eq_refl ltac:(lia) ltac:(cbn -[Q2R]; rewrite quarter; lra) ltac:(lra) L0).
+  assert (NR := near_of_size _ _ _ 4 1 L CR eq_refl ltac:(lia) ltac:(cbn -[Q2R]; rewrite quarter; lra) ltac:(lra) L0).
+  simpl INR in NC, NU, NV, NR. cbn -[Q2R] in NC, NU, NV, NR. rewrite four in NC, NU, NV, NR.
+  (* The hits' own mean, by centre, axes and twist. *)
+  set (a := - m0 + m1 - m2 + m3). set (b := - m0 - m1 + m2 + m3). set (d := m0 - m1 - m2 + m3).
+  assert (a_in : -1 <= a <= 1) by (unfold a; lra). assert (b_in : -1 <= b <= 1) by (unfold b; lra).
+  assert (d_in : -1 <= d <= 1) by (unfold d; lra).
+  exists a, b. split; [exact a_in |]. split; [exact b_in |].
+  assert (mean : Rabs (m0 * (H0 - x hit_0) + m1 * (H1 - x hit_1) + m2 * (H2 - x hit_2) + m3 * (H3 - x hit_3)) <= off).
+  { assert (one : forall m y h, 0 <= m -> Rabs (h - y) <= off -> - (m * off) <= m * (y - h) <= m * off).
+    { clear. intros m y h M N. apply between in N. assert (G := Rmult_le_compat_l m (y - h) off M ltac:(lra)).
+      assert (G2 := Rmult_le_compat_l m (- off) (y - h) M ltac:(lra)). lra. }
+    assert (A0 := one m0 H0 _ ltac:(lra) near_0). assert (A1 := one m1 H1 _ ltac:(lra) near_1).
+    assert (A2 := one m2 H2 _ ltac:(lra) near_2). assert (A3 := one m3 H3 _ ltac:(lra) near_3).
+    assert (S : m0 * off + m1 * off + m2 * off + m3 * off = off) by (rewrite <- !Rmult_plus_distr_r, m_sum; ring).
+    apply Rabs_le. lra. }
+  set (fC := / 4 * _) in NC. set (fU := / 4 * _) in NU. set (fV := / 4 * _) in NV. set (fR := / 4 * _) in NR.
+  assert (same : m0 * x hit_0 + m1 * x hit_1 + m2 * x hit_2 + m3 * x hit_3 = fC + a * fU + b * fV + d * fR).
+  { unfold fC, fU, fV, fR, a, b, d. replace m3 with (1 - m0 - m1 - m2) by lra. field. }
+  assert (TU := times_in a _ _ a_in NU). assert (TV := times_in b _ _ b_in NV). assert (TR := times_in d _ _ d_in NR).
+  assert (TR2 := times_in d _ _ d_in rest_in). assert (rest0 := Rle_trans _ _ _ (Rabs_pos _) rest_in).
+  (* The spread. *)
+  assert (i1 : 10099 / 10000 <= Q2R i) by (revert i_in; unfold Q2R at 1, least_inflation; simpl; lra).
+  assert (c1 : 341 / 10 * u <= Q2R c) by (revert c_in; unfold Q2R at 1, least_of_largest; simpl; lra).
+  apply near in Cs. assert (A := alpha_below 4 ltac:(lia)). simpl INR in A. cbn -[u32 alpha Q2R] in Cs. fold L in Cs.
+  assert (cL := Rmult_le_compat_r L _ _ L0 c1).
+  rewrite (Rabs_pos_eq (Q2R r)), (Rabs_pos_eq (Q2R i)), (Rabs_pos_eq (Q2R c)), (Rabs_pos_eq L), (Rabs_pos_eq (x
+    error)),
+    (Rabs_pos_eq (x rest)) in Cs by lra.
+  set (W := x error + x rest + Q2R c * L) in *. assert (W0 : 0 <= W) by (unfold W; lra).
+  assert (iW := Rmult_le_compat_r W _ _ W0 i1). set (Z := Q2R r + Q2R i * W) in *. assert (Z0 : 0 <= Z) by (unfold Z;
+    lra).
+  assert (E := Rmult_le_compat_r Z _ _ Z0 A). apply between in Cs, P_near, NC, mean.
+  assert (s1 : (1 - 401 / 100 * u) * (10099 / 10000 * W) <= s) by (unfold Z in *; lra).
+  apply Rabs_le. unfold W in s1. lra.
+Qed.
+End Hits.
+
+Section Receiver.
+Variable x : nat -> R.
+Let L := x largest.
+Hypotheses (in_a : Rabs (x a) <= L) (in_b : Rabs (x b) <= L) (in_c : Rabs (x c) <= L).
+Variables m n P : R.  (* the hit lies in the receiver; a shading point *)
+Hypotheses (m0 : 0 <= m) (n0 : 0 <= n) (in_triangle : m + n <= 1).
+Hypothesis P_near : Rabs (P - (x a + m * (x b - x a) + n * (x c - x a))) <= 18 * u * L.
+
+Theorem parallelogram_has_its_points vC vU vV k s :
+  computed x own_centre vC -> computed x own_u vU -> computed x own_v vV -> Q2R least_of_largest <= Q2R k ->
+  (1 - u) * (Q2R k * L) <= s ->
+  exists p q, -1 <= p <= 1 /\ -1 <= q <= 1 /\ Rabs (P - (vC + p * vU + q * vV)) <= s.
+Proof.
+  intros CC CU CV Hk Hs. assert (L0 := Rle_trans _ _ _ (Rabs_pos _) in_a).
+  assert (half : Rabs (Q2R (1 # 2)) = / 2) by (rewrite Rabs_pos_eq by (unfold Q2R; simpl; lra); unfold Q2R; simpl;
+    lra).
+  assert (two : Q2R (1 # 2) = / 2) by (unfold Q2R; simpl; lra).
+  assert (ba : Rabs (x b - x a) <= 2 * L) by (apply between in in_a, in_b; apply Rabs_le; lra).
+  assert (ca : Rabs (x c - x a) <= 2 * L) by (apply between in in_a, in_c; apply Rabs_le; lra).
+  assert (NC := near_of_size _ _ _ 4 3 L CC eq_refl ltac:(lia) ltac:(cbn -[Q2R]; rewrite half; lra) ltac:(lra) L0).
+  assert (NU := near_of_size _ _ _ 2 1 L CU eq_refl ltac:(lia) ltac:(cbn -[Q2R]; rewrite half; lra) ltac:(lra) L0).
+  assert (NV := near_of_size _ _ _ 2 1 L CV eq_refl ltac:(lia) ltac:(cbn -[Q2R]; rewrite half; lra) ltac:(lra) L0).
+  simpl INR in NC, NU, NV. cbn -[Q2R] in NC, NU, NV. rewrite two in NC, NU, NV.
+  exists (2 * m - 1), (2 * n - 1). split; [lra |]. split; [lra |].
+  assert (TU := times_in (2 * m - 1) _ _ ltac:(lra) NU). assert (TV := times_in (2 * n - 1) _ _ ltac:(lra) NV).
+  assert (c1 : 341 / 10 * u <= Q2R k) by (revert Hk; unfold Q2R at 1, least_of_largest; simpl; lra).
+  assert (cL := Rmult_le_compat_r L _ _ L0 c1). apply between in P_near, NC. apply Rabs_le. lra.
+Qed.
+End Receiver.
+
+Lemma kernels_are_enough :
+  (least_inflation <= inflation /\ least_of_largest <= of_largest /\ 0 <= of_nothing /\
+   least_of_largest <= own_spread_constant /\ 0 <= own_spread_rest)%Q.
+Proof. vm_compute. repeat split; discriminate. Qed.
+Definition constants := Eval vm_compute in shown least_of_largest of_largest.
+Print constants.
+Definition rests := Eval vm_compute in shown least_of_largest own_spread_constant.
+Print rests.
+Definition checked := (kernel_is, footprint_has_its_points, parallelogram_has_its_points, kernels_are_enough).
+Print Assumptions checked.
