@@ -70,6 +70,8 @@ noticed receivers/footprint.h 's/(64\.0f \* GN_U) \* sizes/(26.0f * GN_U) * size
 refused footprints
 noticed samples/footprints.clh 's/1.01f \* (rest + error + (50\.0f/1.01f * (rest + error + (34.0f/' spread.v
 refused spread
+noticed samples/footprints.clh 's/3\.0f \* (reach + eye_size)/2.0f * (reach + eye_size)/' spread.v
+refused spread
 noticed occluders/hull_bounds.clh 's/BOUND_INFLATION 1\.01f/BOUND_INFLATION 1.009f/' rectangles.v
 refused rectangles
 # A bound that lacks one of its two; a plane's factor; a mean's; terms of the camera's rays and of its intervals.

@@ -1,29 +1,43 @@
 (* SPDX-License-Identifier: MIT *)
 (* footprints.clh: a footprint contains its shading points (docs/numerics.md, 9).
-     footprint_has_its_points       made from the hits of four rays;
-     parallelogram_has_its_points   made from two sides of the receiver: in both the points need 34.1 u of the 50 u.
+     corner_is_near                 a hit is off by at most its error, but for .1 %;
+     footprint_has_its_points       of a footprint made from the hits of four rays;
+     parallelogram_has_its_points   of one made from two sides of the receiver: both need 34.1 u of the 50 u.
 
-   Assumed: a hit on the plane is a mean of the four corners' (projective maps keep hulls: prose), or lies in the
-   receiver; a shading point is within 9 ulp of it (camera.h), 18 u of the larger of hit and eye; `largest` is at least
-   each coordinate of the hits, of the receiver's corners and of the eye; `rest` is at least |twist|; `error` is more
-   than .993 times what the corners are off by; no result is below 2^-126 unless it is 0. The other 16 u are for sums of
-   positions in facing_bounds.clh, in prose: at most 11 u there. Overflow: no footprint is used whose spread or
-   positions reach 1e30. *)
+   Assumed: 1 / 1.05 of `relative`, up to .71, is what t is off by (nearness.v: 1.334 of 1.4); a ray's coordinates are
+   rounded once, beside sizes up to 2.5 times its largest (its column and row are at right angles); a hit on the plane
+   is a mean of the four corners' (projective maps keep hulls: prose), or lies in the receiver; a shading point is
+   within 9 ulp of it (camera.h), 18 u of the larger of hit and eye; `largest` is at least each coordinate of the hits,
+   of the receiver's corners and of the eye; `rest` is at least |twist|; no result is below 2^-126 unless it is 0. The
+   other 16 u are for sums of positions in facing_bounds.clh, in prose: at most 11 u there. Overflow: no footprint is
+   used whose spread or positions reach 1e30. *)
 From Coq Require Import Reals QArith Qreals Lra Lia Psatz.
 From Flocq Require Import Core.
 Require Import Roundings Devices Filters.
 
 (* begin: from the kernels, by expressions.py *)
-Definition hit_0 := 0%nat.
-Definition hit_1 := 1%nat.
-Definition hit_2 := 2%nat.
-Definition hit_3 := 3%nat.
-Definition rest := 4%nat.
-Definition error := 5%nat.
-Definition largest := 6%nat.
-Definition a := 7%nat.
-Definition b := 8%nat.
-Definition c := 9%nat.
+Definition t := 0%nat.
+Definition ray := 1%nat.
+Definition eye := 2%nat.
+Definition relative := 3%nat.
+Definition reach := 4%nat.
+Definition ray_size := 5%nat.
+Definition eye_size := 6%nat.
+Definition hit_0 := 7%nat.
+Definition hit_1 := 8%nat.
+Definition hit_2 := 9%nat.
+Definition hit_3 := 10%nat.
+Definition rest := 11%nat.
+Definition error := 12%nat.
+Definition largest := 13%nat.
+Definition a := 14%nat.
+Definition b := 15%nat.
+Definition c := 16%nat.
+Definition corner :=
+  Fma (Given ray 0) (Given t 0) (Given eye 0).
+Definition corner_error :=
+  Add (Times (1 # 16777216) (Add (Times (3 # 1) (Add (Given eye_size 0) (Given reach 0))) (Mul (Given ray_size 0)
+    (Given t 0)))) (Mul (Given reach 0) (Given relative 0)).
 Definition centre :=
   Times (1 # 4) (Add (Add (Add (Given hit_0 0) (Given hit_1 0)) (Given hit_2 0)) (Given hit_3 0)).
 Definition along_u :=
@@ -73,6 +87,52 @@ Proof.
   intros T Y. apply between. rewrite Rabs_mult. assert (t1 : Rabs t <= 1) by (apply Rabs_le; lra).
   assert (G := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) t1 Y). lra.
 Qed.
+
+Section Corner.
+Variable x : nat -> R.
+Let r := x relative.
+Let s := x ray_size.
+Variables m T D : R.  (* the ray's largest coordinate, as computed; the real distance and the real ray *)
+Hypotheses (t0 : 0 <= x t) (m0 : 0 <= m) (s0 : 0 <= s) (r_in : 0 <= r <= 71 / 100).
+Hypothesis eye_in : Rabs (x eye) <= x eye_size.
+Hypotheses (t_near : Rabs (x t - T) <= 20 / 21 * r * x t) (ray_near : Rabs (x ray - D) <= u * s).
+Hypothesis ray_in : Rabs (x ray) <= m.
+Hypotheses (reach_is : Rabs (x reach - x t * m) <= u * (x t * m)) (s_in : s <= 5 / 2 * m).
+Theorem corner_is_near v e : computed x corner v -> computed x corner_error e ->
+  Rabs (v - (x eye + T * D)) <= 1001 / 1000 * e.
+Proof.
+  intros Cv Ce. assert (e0 := Rle_trans _ _ _ (Rabs_pos _) eye_in). set (M := x t * m) in *.
+  assert (M0 : 0 <= M) by (unfold M; now apply Rmult_le_pos). assert (reach_b := between _ _ reach_is).
+  apply near in Cv, Ce. assert (A1 := alpha_below 1 ltac:(lia)). assert (A5 := alpha_below 5 ltac:(lia)).
+  simpl INR in A1, A5. cbn -[u32 alpha Q2R] in Cv, Ce. fold r s in Ce. rewrite (Rabs_pos_eq (x t)) in Cv by lra.
+  replace (Q2R (1 # 16777216)) with u in Ce by (unfold Q2R; simpl; lra).
+  replace (Q2R (3 # 1)) with 3 in Ce by (unfold Q2R; simpl; lra).
+  rewrite (Rabs_pos_eq u), (Rabs_pos_eq 3), (Rabs_pos_eq (x reach)), (Rabs_pos_eq r), (Rabs_pos_eq s),
+    (Rabs_pos_eq (x t)), (Rabs_pos_eq (x eye_size)) in Ce by lra.
+  assert (td : x t * Rabs (x ray) <= M) by (unfold M; apply Rmult_le_compat_l; lra).
+  assert (td0 : 0 <= x t * Rabs (x ray)) by (apply Rmult_le_pos; auto using Rabs_pos).
+  assert (V := Rmult_le_compat _ _ _ _ (alpha_at_least 1) (Rplus_le_le_0_compat _ _ td0 (Rabs_pos (x eye))) A1
+    (Rplus_le_compat _ _ _ _ td eye_in)).
+  assert (ts : 0 <= s * x t) by (now apply Rmult_le_pos). assert (ts1 : s * x t <= 5 / 2 * M).
+  { assert (G := Rmult_le_compat_r _ _ _ t0 s_in). unfold M. lra. }
+  assert (rM : 0 <= r * M) by (apply Rmult_le_pos; lra).
+  assert (rr : (1 - u) * (r * M) <= x reach * r).
+  { assert (G := Rmult_le_compat_r r _ _ (proj1 r_in) (proj1 reach_b)). lra. }
+  set (Z := u * (3 * (x eye_size + x reach) + s * x t) + x reach * r) in *.
+  assert (Z0 : 0 <= Z) by (unfold Z; lra). assert (E := Rmult_le_compat_r Z _ _ Z0 A5). apply between in Ce.
+  assert (D_in : Rabs D <= m + u * s).
+  { assert (G := Rabs_triang (x ray) (- (x ray - D))). rewrite Rabs_Ropp in G.
+    replace (x ray + - (x ray - D)) with D in G by ring. lra. }
+  assert (F1 := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) t_near D_in). rewrite <- Rabs_mult in F1.
+  assert (F2 := Rmult_le_compat_l _ _ _ t0 ray_near). rewrite <- (Rabs_pos_eq (x t) t0) in F2 at 1.
+  rewrite <- Rabs_mult in F2.
+  assert (rts : r * (s * x t) <= 71 / 100 * (5 / 2 * M)) by (apply Rmult_le_compat; lra).
+  replace (20 / 21 * r * x t * (m + u * s)) with (20 / 21 * (r * M) + 20 / 21 * u * (r * (s * x t))) in F1
+    by (unfold M; ring).
+  replace (v - (x eye + T * D)) with ((v - (x t * x ray + x eye)) + ((x t - T) * D + x t * (x ray - D))) by ring.
+  apply between in Cv, F1, F2. apply Rabs_le. unfold Z in *. lra.
+Qed.
+End Corner.
 
 Section Hits.
 Variable x : nat -> R.
@@ -181,5 +241,6 @@ Definition constants := Eval vm_compute in shown least_of_largest of_largest.
 Print constants.
 Definition rests := Eval vm_compute in shown least_of_largest own_spread_constant.
 Print rests.
-Definition checked := (kernel_is, footprint_has_its_points, parallelogram_has_its_points, kernels_are_enough).
+Definition checked :=
+  (corner_is_near, kernel_is, footprint_has_its_points, parallelogram_has_its_points, kernels_are_enough).
 Print Assumptions checked.
