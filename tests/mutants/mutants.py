@@ -3,9 +3,10 @@
 """Plants the faults of mutants.txt in copies of the kernels, one at a time, and sees that the named check notices each.
 
 usage: mutants.py BUILD [--turn N|git | --all [--table FILE]]     BUILD: a build folder with the tests
---turn N runs the ten faults whose turn it is (`git`: by the number of the commit), --all all of them, and --table writes
-a row for each to FILE; else it only sees that each fault's text is still in the kernels. A fault that its check does not notice is an error; so is a noticed one
-that the list calls equivalent, or says to survive: it is tried with the first test that the list has for its file.
+--turn N runs the ten faults whose turn it is (`git`: by the number of the commit), --all all of them, and --table
+writes a row for each to FILE; else it only sees that each fault's text is still in the kernels. A fault that its check
+does not notice is an error; so is a noticed one that the list calls equivalent, or says to survive: it is tried with
+the first test that the list has for its file.
 """
 import csv
 import os
@@ -66,12 +67,13 @@ def run(faults, build):
             verdict = "noticed" if noticed else check if may_live else "SURVIVES"
             seconds = time.monotonic() - began
             print(f"{file}: '{old}' -> '{new}': {verdict} ({', '.join(checks)}; {seconds:.0f} s)", flush=True)
-            rows.append([f"{old} -> {new}", file, file.split("/")[0], checks[0] if noticed else verdict, f"{seconds:.1f}"])
+            stage, noticed_by = file.split("/")[0], checks[0] if noticed else verdict
+            rows.append([f"{old} -> {new}", file, stage, noticed_by, f"{seconds:.1f}"])
     return survivors, rows
 
 
 def write_table(rows, file):
-    with open(file, "w", newline="") as table:
+    with Path(file).open("w", newline="") as table:
         writer = csv.writer(table, lineterminator="\n")
         writer.writerow(["mutant", "file", "stage", "noticed_by", "seconds"])
         writer.writerows(rows)
