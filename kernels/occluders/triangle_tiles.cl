@@ -311,7 +311,7 @@ __kernel void triangle_tiles(TriangleSetupParams params, __constant const Projec
             for (uint k = first + item; k < end; k += items) {
                 uint at = first_slot + (k - first), owner = item_of_piece(ends, k);
                 if (at >= params.tile_capacity) break;
-                uint tile = tile_of_bins(ranges[owner], owner == 0u ? k : k - ends[owner - 1u]);
+                uint tile = tile_of_bins(ranges[owner], piece_of_item(ends, owner, k));
                 tiles[at] = (uint2)(slots[owner], tile);
             }
         }

@@ -348,9 +348,11 @@ __kernel void shadow_volumes_tiles(VolumeParams params, PointsLayout layout, __g
                     continue;
                 }
                 uint at = reserve_slots(1u, pair_count);
-                if (at < params.pair_capacity) pairs[at] = (uint2)(index, tile);
-                for (uint row = 0; at >= params.pair_capacity && row < VOLUME_TILE; ++row)
-                    written += count_in_row(params, &pixels, side, tile, row);
+                if (at < params.pair_capacity) {
+                    pairs[at] = (uint2)(index, tile);
+                    continue;
+                }
+                for (uint row = 0; row < VOLUME_TILE; ++row) written += count_in_row(params, &pixels, side, tile, row);
             }
     }
     if (whole != 0) atomic_add(&counters->tiles_whole, whole);

@@ -55,7 +55,7 @@ void DepthMap::draw(cl::Session& session, const MapViews& map_views, DepthPass p
     if (pass.pass == PASS_NEAREST)
         session.reserve_filled(tile_keys_, EMPTY_KEY,
                                (map_views.set.texels / 16 + 2 + map_views.set.view_count) * sizeof(cl_uint));
-    const cl::LocalBytes waiting{session.work_group_size() * (WAITING_CASTER_WORDS + 1) * sizeof(cl_uint)};
+    const cl::LocalBytes waiting = CasterClusters::local(session, WAITING_CASTER_WORDS);
     session.launch(triangles.kernel(file, "depth_pass_list"), clusters_.items(), pass, triangles.vertices,
                    map_views.views, map_views.tables, clusters_.listed(), keys_, output, chunks_.buffer(), chunk_count_,
                    tile_keys_, waiting);

@@ -32,9 +32,13 @@ public:
     const DepthPass& pass() const { return pass_; }
     const cl::Buffer& covers() const { return covers_; }
     const cl::Buffer& listed() const { return listed_; }
-    /// A GPU's work-items over all triangles of all views.
+    /// A GPU's work-items over all triangles of all views, and local memory of a caster of so many words for each, and
+    /// the end of its share.
     cl::Range items() const {
         return cl::Range::items(std::size_t(pass_.view_count) * pass_.cluster_count * CLUSTER_TRIANGLES);
+    }
+    static cl::LocalBytes local(const cl::Session& session, std::size_t caster_words) {
+        return {session.work_group_size() * (caster_words + 1) * sizeof(cl_uint)};
     }
 
 private:

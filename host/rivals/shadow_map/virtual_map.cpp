@@ -245,8 +245,7 @@ private:
         pass.pass.chunk_capacity = pairs_.capacity();
         session_.launch(drawn.kernel(file, "virtual_map_scatter"), clusters_.items(), pass, drawn.vertices,
                         level_views_.views, level_views_.tables, clusters_.listed(), page_of_, pages_, touched_, keys_,
-                        counters_, pairs_.buffer(),
-                        cl::LocalBytes{session_.work_group_size() * (PAGED_CASTER_WORDS + 1) * sizeof(cl_uint)});
+                        counters_, pairs_.buffer(), CasterClusters::local(session_, PAGED_CASTER_WORDS));
         session_.launch(drawn.kernel(file, "virtual_map_pairs"), session_.small_groups(), pass, drawn.vertices,
                         level_views_.tables, page_of_, pages_, keys_, counters_, pairs_.buffer(), tile_keys_);
     }

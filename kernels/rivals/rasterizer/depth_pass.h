@@ -27,14 +27,13 @@
 // The output of a pass.
 #define PASS_NEAREST 0u  // the key of the nearest caster
 #define PASS_SECOND 1u   // the nearest key after the first one (dual depth layers)
-#define PASS_SLOPE \
-    2u  // of the nearest caster: squared depth per texel, dx^2 + dy^2, as float bits; 0 at clamped depths
+#define PASS_SLOPE 2u    // of the nearest caster: squared depth per texel, dx^2 + dy^2, as float bits; 0 if clamped
 
 // A CPU's work-item owns a window, a square of texels, and draws all that lies in it: no two items write one texel.
 // Clusters of CLUSTER_TRIANGLES neighbours (occluders/clusters.h) whose casters miss a window cost it one comparison.
-// On a GPU large casters are cut into chunks of 2^CHUNK_LOG2 texels a side for work-groups, which first find the tiles
-// that they cover (Hi-Z); a work-group's items share out the texels of small ones, and texels take atomic minima. Both
-// give a texel the same key, since a key is the minimum over all casters.
+// On a GPU a large caster hides the tiles that it covers (Hi-Z), and work-groups take its chunks, 2^CHUNK_LOG2 texels a
+// side; a work-group's items share out the texels of small casters; texels take atomic minima. Both give a texel the
+// same key, since a key is the minimum over all casters.
 #define WINDOW_LOG2 7u
 #define CHUNK_LOG2 6u
 #define TILE_LOG2 4u  // tiles of large casters have texels of one length each

@@ -86,8 +86,7 @@ __kernel void depth_pass_windows(DepthPass pass, __global const float* vertices,
 }
 #endif
 
-// ---- A GPU: chunks of large casters, then spans of small ones
-// ---------------------------------------------------------
+// ---- A GPU: chunks of large casters, then spans of small ones -------------------------------------------------------
 
 #ifndef GN_CPU
 // Lists (view, cluster) of the clusters that may cast something into a view. listed[0].x: 0 before.
@@ -125,12 +124,29 @@ typedef struct WaitingCaster {
 } WaitingCaster;
 typedef char waiting_caster_has_its_size[sizeof(WaitingCaster) == 4 * WAITING_CASTER_WORDS ? 1 : -1];
 
-// The number of a large caster's chunks, 0 of others.
-static uint count_chunks(const Drawing* d, uint id, Casters* caster) {
+// True if other casters hide all tiles that a small one touches.
+static bool is_hidden(const Drawing* d, const Casters* caster, volatile __global uint* tile_keys) {
+    TexelRectangle texels = covered_by(&caster->covered, 0);
+    bool is_hidden = d->pass.pass != PASS_SECOND;
+    for (uint t = 0; is_hidden && t < tile_count_of(texels); ++t)
+        is_hidden =
+            is_behind(&d->pass, caster->min_depth, GN_RELAXED_LOAD(key_of_tile(d, tile_keys, tile_of(texels, t))));
+    return is_hidden;
+}
+
+// Puts an item's caster into local memory for the group, if it is cut into chunks or, without `takes_chunks`, if it is
+// not. Returns the number of its chunks or spans, which the group's items share out.
+static uint put_caster(Drawing* d, __global const MapView* views, uint2 of, bool takes_chunks,
+                       volatile __global uint* tile_keys, __local WaitingCaster* waiting) {
     MapVertices h[3];
-    if (!load_one_caster(d, id, caster, h) || !is_chunked(caster)) return 0u;
-    make_casters(h, caster);
-    return chunk_count_of(covered_by(&caster->covered, 0));
+    WaitingCaster mine = {{{{0}}}, of.x, of.y};
+    d->view = views + of.x;
+    if (!load_one_caster(d, of.y, &mine.caster, h) || is_chunked(&mine.caster) != takes_chunks) return 0u;
+    if (!takes_chunks && is_hidden(d, &mine.caster, tile_keys_of_view(d, tile_keys, of.x))) return 0u;
+    make_casters(h, &mine.caster);
+    *waiting = mine;
+    TexelRectangle texels = covered_by(&mine.caster.covered, 0);
+    return takes_chunks ? chunk_count_of(texels) : spans_of(texels);
 }
 
 // Lists the chunks of large casters, and in the first pass lowers the keys of the tiles that they cover: EMPTY_KEY
@@ -147,13 +163,8 @@ __kernel void depth_pass_list(DepthPass pass, __global const float* vertices, __
     Drawing d = drawing_of(&pass, vertices, views, tables, nearest, output);
     GN_ROUNDS(round, count) {
         uint i = index_in_round(round, count), wanted = 0u;
-        if (i < count) {
-            uint2 of = listed_triangle(&pass, listed, i);
-            WaitingCaster mine = {{{{0}}}, of.x, of.y};
-            d.view = views + of.x;
-            wanted = count_chunks(&d, of.y, &mine.caster);
-            if (wanted != 0u) waiting[item] = mine;
-        }
+        if (i < count)
+            wanted = put_caster(&d, views, listed_triangle(&pass, listed, i), true, tile_keys, &waiting[item]);
         scan_group(wanted, ends);
         for (uint begin = 0, total = ends[items - 1u]; begin < total; begin += items) {
             WaitingCaster w;
@@ -164,7 +175,7 @@ __kernel void depth_pass_list(DepthPass pass, __global const float* vertices, __
                 uint owner = item_of_piece(ends, begin + item);
                 w = waiting[owner];
                 chunk.id = w.id, chunk.view = w.view;
-                chunk.chunk = begin + item - (owner == 0u ? 0u : ends[owner - 1u]);
+                chunk.chunk = piece_of_item(ends, owner, begin + item);
                 d.view = views + w.view;
                 texels = chunk_of(covered_by(&w.caster.covered, 0), chunk.chunk);
                 TileBounds bounds = bounds_in(&d, &w.caster, texels);
@@ -208,20 +219,6 @@ __kernel void depth_pass_chunks(DepthPass pass, __global const float* vertices, 
     }
 }
 
-// The spans of a small caster that tiles do not hide, 0 of others.
-static uint count_spans(const Drawing* d, uint view, uint id, volatile __global uint* tile_keys, Casters* caster) {
-    MapVertices h[3];
-    if (!load_one_caster(d, id, caster, h) || is_chunked(caster)) return 0u;
-    TexelRectangle texels = covered_by(&caster->covered, 0);
-    volatile __global uint* keys = tile_keys_of_view(d, tile_keys, view);
-    bool is_hidden = d->pass.pass != PASS_SECOND;
-    for (uint t = 0; is_hidden && t < tile_count_of(texels); ++t)
-        is_hidden = is_behind(&d->pass, caster->min_depth, GN_RELAXED_LOAD(key_of_tile(d, keys, tile_of(texels, t))));
-    if (is_hidden) return 0u;
-    make_casters(h, caster);
-    return spans_of(texels);
-}
-
 // Draws small casters: the group's items share out the spans of their casters evenly. Local memory: for each item its
 // caster, and the end of its spans.
 __kernel void depth_pass_small(DepthPass pass, __global const float* vertices, __global const MapView* views,
@@ -233,13 +230,8 @@ __kernel void depth_pass_small(DepthPass pass, __global const float* vertices, _
     Drawing d = drawing_of(&pass, vertices, views, tables, nearest, output);
     GN_ROUNDS(round, count) {
         uint i = index_in_round(round, count), wanted = 0u;
-        if (i < count) {
-            uint2 of = listed_triangle(&pass, listed, i);
-            WaitingCaster mine = {{{{0}}}, of.x, of.y};
-            d.view = views + of.x;
-            wanted = count_spans(&d, of.x, of.y, tile_keys, &mine.caster);
-            if (wanted != 0u) waiting[item] = mine;
-        }
+        if (i < count)
+            wanted = put_caster(&d, views, listed_triangle(&pass, listed, i), false, tile_keys, &waiting[item]);
         scan_group(wanted, ends);
         for (uint k = item; k < ends[items - 1u]; k += items) {
             uint owner = item_of_piece(ends, k);
@@ -249,7 +241,7 @@ __kernel void depth_pass_small(DepthPass pass, __global const float* vertices, _
             load_caster_cut_out(&d, w.id, &cut_out);
             TexelGrid grid = grid_of(&d);
             TexelRectangle texels = covered_by(&w.caster.covered, 0);
-            uint span = k - (owner == 0u ? 0u : ends[owner - 1u]), across = spans_across(texels);
+            uint span = piece_of_item(ends, owner, k), across = spans_across(texels);
             // The quotient is half a span or more away from a whole number: it rounds as integers do.
             uint row = (uint)(((float)span + 0.5f) / (float)across);
             draw_span(&d, &grid, &w.caster, &cut_out, texels, row, span - row * across);

@@ -183,10 +183,10 @@ __kernel void virtual_map_scatter(VirtualPass all, __global const float* vertice
         for (uint begin = 0, total = ends[items - 1u]; begin < total; begin += items) {
             uint k = begin + item, entry = NO_PAGE, id = 0u;
             if (k < total) {
-                uint owner = item_of_piece(ends, k), before = owner == 0u ? 0u : ends[owner - 1u];
+                uint owner = item_of_piece(ends, k);
                 PagedCaster of = waiting[owner];
                 id = of.id;
-                entry = entry_of_page(&plan, &d, level_views, &of, k - before, page_of);
+                entry = entry_of_page(&plan, &d, level_views, &of, piece_of_item(ends, owner, k), page_of);
             }
             bool is_left = false;
             Casters caster;
