@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -55,8 +56,8 @@ def is_known(base: str) -> bool:
     return subprocess.run(command, cwd=ROOT, stderr=subprocess.DEVNULL, check=False).returncode == 0
 
 
-def built(base: str) -> Path:
-    """The benchmark of that commit."""
+def built(base: str, bench: Path) -> Path:
+    """The benchmark of that commit, built as this tree's was."""
     commit = subprocess.check_output(["git", "rev-parse", f"{base}^{{commit}}"], cwd=ROOT, text=True).strip()
     folder = ROOT / "build" / "speed" / commit
     source = folder / "source"
@@ -66,15 +67,18 @@ def built(base: str) -> Path:
         archive = subprocess.Popen(["git", "archive", commit], cwd=ROOT, stdout=subprocess.PIPE)
         subprocess.run(["tar", "-x", "-C", begun], stdin=archive.stdout, check=True)
         begun.rename(source)
-    launcher = ["-D", "CMAKE_CXX_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
-    options = ["-D", "CMAKE_BUILD_TYPE=Release", "-D", "GNOMON_TOOLS=ON", "-D", "GNOMON_COMMAND=ON", *launcher]
-    build = str(folder / "build")
+    # A folder that lies in the source as CI's does, and its options: then ccache knows the files that did not change.
+    build = source / "build"
+    options = ["CMAKE_BUILD_TYPE=Release", "GNOMON_TOOLS=ON", "GNOMON_COMMAND=ON", "CMAKE_POSITION_INDEPENDENT_CODE=ON"]
+    options += ["GNOMON_WERROR=ON"] if "GNOMON_WERROR:BOOL=ON" in (bench.parents[1] / "CMakeCache.txt").read_text() else []
+    options += ["CMAKE_CXX_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
+    environment = os.environ | {"CCACHE_BASEDIR": str(source), "CCACHE_NOHASHDIR": "1"}
     for command in (
-        ["cmake", "-G", "Ninja", "-S", str(source), "-B", build, *options],
+        ["cmake", "-G", "Ninja", "-S", source, "-B", build, *(f"-D{option}" for option in options)],
         ["cmake", "--build", build, "--target", "bench"],
     ):
-        subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
-    return folder / "build/tools/bench"
+        subprocess.run(command, check=True, stdout=subprocess.DEVNULL, env=environment)
+    return build / "tools/bench"
 
 
 def processor_ms(bench: Path, frame: str) -> tuple[float, list[str]]:
@@ -102,7 +106,7 @@ def main() -> int:
     if not is_known(base):
         print(f"NOT TESTED: this clone has no commit {base} to compare with: git fetch --unshallow")
         return 0
-    benches = {"release": built(base), "now": asked.bench.resolve()}
+    benches = {"release": built(base, asked.bench.resolve()), "now": asked.bench.resolve()}
     failed = False
     for frame in FRAMES:
         # The least of several: other processes only ever add. Where both seem to differ, there are more turns.

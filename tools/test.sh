@@ -29,7 +29,12 @@ esac
 # A clone finds in ccache what another clone has compiled.
 export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1
 
-step() { printf '\n== %s (after %d s)\n' "$*" "$SECONDS"; }
+# step NAME: what begins, after how much time by the clock and of processors.
+step() {
+    local spent
+    spent=$(awk -v each="$(getconf CLK_TCK)" '{print int(($16 + $17) / each)}' /proc/$$/stat)  # of children that ended
+    printf '\n== %s (after %d s, %d s of processors)\n' "$*" "$SECONDS" "$spent"
+}
 
 # configure FOLDER OPTIONS...: a new folder gets Ninja; one that is there keeps its generator.
 configure() {
