@@ -8,7 +8,7 @@ const client = Array.from(crypto.getRandomValues(new Uint8Array(8)), b => b.toSt
 const byId = id => document.getElementById(id);
 const stage = byId('stage'), picture = byId('picture'), overlay = byId('overlay');
 
-const paceMs = 1000 / 30, mostInFlight = 2, stillAfterMs = 160, leastScale = 0.25;
+const paceMs = 1000 / 30, stillAfterMs = 160, leastScale = 0.25;
 const levels = {moving: 0, sharp: 1, smooth: 2, soft: 3};
 
 // What is looked at. `light` has the parameters of the light, `camera` those of a camera that nobody has moved, `hours`
@@ -16,7 +16,7 @@ const levels = {moving: 0, sharp: 1, smooth: 2, soft: 3};
 const look = {scene: null, camera: {}, orbit: null, light: {}, time: null, animation: null, sunAngle: 0, ambient: 'constant',
               samples: 8, rival: '', show: 'divider', divider: 0.5, hours: null};
 const shown = {number: 0, level: -1, facts: null, image: null, parameters: null, isComparison: false, path: ''};
-let scale = 1, lastArrival = 0, number = 0, inFlight = 0, isDirty = false, lastInput = 0, stillTimer = 0, isLost = false;
+let scale = 1, lastArrival = 0, number = 0, inFlight = 0, mostInFlight = 1, isDirty = false, lastInput = 0, stillTimer = 0, isLost = false;
 const trail = [];  // times of arrival of the last second
 
 async function ask(path, parameters = {}) {
@@ -97,12 +97,14 @@ function refine(level) {
 async function request(level) {
   const mine = ++number, parameters = parametersOf(level), isComparison = !look.hours && look.rival !== '';
   const path = look.hours ? 'hours' : isComparison ? 'compare' : 'frame', sent = performance.now();
+  const isAlone = inFlight === 0;
   if (level === levels.moving) parameters.draft = '1';
   ++inFlight;
   try {
     const answer = await ask(`${path}.jpg`, parameters);
     const facts = JSON.parse(answer.headers.get('X-Gnomon'));
     const image = await createImageBitmap(await answer.blob());
+    if (isAlone && level === levels.moving) mostInFlight = inFlightFor(facts.ms, performance.now() - sent);
     if (mine > shown.number) show({number: mine, level, facts, image, parameters, isComparison, path}, sent);
     if (level !== levels.moving || performance.now() - lastInput > stillAfterMs) continueAfter(level, mine);
   } catch (error) {
@@ -111,6 +113,12 @@ async function request(level) {
     --inFlight;
     pump();
   }
+}
+// A second request on the way gives the device work while a picture is encoded, sent and decoded. Where these take less
+// than half of the device's time, it would rather wait in the queue, and show the input so much later.
+function inFlightFor({jpeg, ...stages}, waited) {
+  const device = Object.values(stages).reduce((sum, ms) => sum + ms, 0);
+  return waited > 1.5 * device ? 2 : 1;
 }
 function continueAfter(level, mine) {
   if (isDirty || mine !== number || level === levels.moving) return;
