@@ -128,9 +128,6 @@ Technique& ViewSession::technique_of(const RenderOptions& options) {
 
 Technique& ViewSession::exact() { return technique_of(RenderOptions()); }
 
-/// The lists that the camera keeps from one picture to the next. The next picture makes them again, in some 10 ms.
-void ViewSession::release_camera_lists() { camera_pass_ = CameraPass(device_); }
-
 /// A light that stands still for two pictures is prepared: the same bits in less time.
 void ViewSession::prepare_still_light(Pose& pose, const RenderOptions& options, const PictureLights& lights) {
     const bool can_be = lights.chosen.size() == 1 && !options.sun_angle_degrees && options.technique == exact_name &&
@@ -139,8 +136,8 @@ void ViewSession::prepare_still_light(Pose& pose, const RenderOptions& options, 
     const Light& light = lights.chosen.front().light;
     const bool stands_still = pose.last_light && pose.last_light->xyzw == light.xyzw;
     if (stands_still && !pose.is_prepared) {
-        techniques_.erase(exact_name);  // with its lists of pictures without a prepared light
-        release_camera_lists();
+        techniques_.erase(exact_name);       // with its lists of pictures without a prepared light
+        camera_pass_ = CameraPass(device_);  // with its lists: the next picture makes them again, in some 10 ms
         exact().prepare(pose.triangles, light);
     }
     pose.is_prepared = stands_still;
@@ -243,7 +240,7 @@ ordered_json ViewSession::explanation(const ExplainOptions& options) {
     const ChosenCamera camera = camera_of(options, pose);
     const auto [width, height] = options.size;
     const View view = camera_pass_.look(pose.triangles, camera.camera, width, height);
-    release_camera_lists();
+    camera_pass_ = CameraPass(device_);  // its lists make room
     const ChosenLight light = choose_light(options, pose.scene);
     const std::size_t pixel = std::size_t(options.pixel->y) * width + options.pixel->x;
     return explanation_facts(

@@ -58,7 +58,6 @@ private:
     Seen look_of(const RenderOptions& options);
     Technique& technique_of(const RenderOptions& options);
     Technique& exact();
-    void release_camera_lists();
     void prepare_still_light(Pose& pose, const RenderOptions& options, const PictureLights& lights);
 
     PageOptions page_;
