@@ -1,8 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Measures `gnomon view` as a client of its protocol sees it: the first picture, turning, explanations, memory.
+"""Measures `gnomon view` as a client of its protocol sees it: the first picture, turning, explanations, memory. With
+--browser also the rate of the page itself in headless Chromium, by the browser's clock: it needs selenium
+(tools/test_view.sh installs it in build-view/venv) and Debian's chromium-driver.
 
     tools/measure_view.py scenes/sponza.glb --size 960x540 --seconds 10
+    build-view/venv/bin/python tools/measure_view.py scenes/sponza.glb --browser
 """
 
 import argparse
@@ -83,6 +86,42 @@ def turn(port: int, token: str, camera: dict, size: str, seconds: float) -> dict
     } | {f"{name}_ms": statistics.median(values) for name, values in times.items()}
 
 
+# Turns the camera at every frame of the browser, and tells the rate of pictures, the median time from a request to its
+# picture, and the mean share of the full side of those pictures.
+TURN_IN_BROWSER = """
+const [seconds, done] = arguments, began = performance.now(), waits = [], sides = [];
+const seen = () => { waits.push(parseFloat(byId('facts').textContent.match(/([0-9]+) ms$/)[1])); sides.push(scale); };
+document.addEventListener('shown', seen);
+(function step() {
+  const now = performance.now();
+  if (now - began < 1000 * seconds) { moveCamera(orbit => orbit.turn(0.005, 0)); return requestAnimationFrame(step); }
+  document.removeEventListener('shown', seen);
+  waits.sort((a, b) => a - b);
+  done([waits.length / seconds, waits[waits.length >> 1], sides.reduce((a, b) => a + b, 0) / sides.length]);
+})();
+"""
+
+
+def turn_in_browser(address: str, size: str, seconds: float) -> dict[str, float]:
+    """The page's own figures, its picture of about this size."""
+    from selenium import webdriver
+
+    options = webdriver.ChromeOptions()
+    window = f"--window-size={size.replace('x', ',')}"
+    for argument in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", window):
+        options.add_argument(argument)
+    driver = webdriver.Chrome(options=options, service=webdriver.ChromeService("/usr/bin/chromedriver"))
+    try:
+        driver.set_script_timeout(seconds + 60)
+        driver.get(address)
+        while not driver.execute_script("return document.body.dataset.last === 'true'"):
+            time.sleep(0.1)
+        rate, wait, side = driver.execute_async_script(TURN_IN_BROWSER, seconds)
+    finally:
+        driver.quit()
+    return {"browser_frames_per_s": rate, "browser_median_ms": wait, "browser_share_of_side": side}
+
+
 def peak_bytes(pid: int) -> int:
     with open(f"/proc/{pid}/status") as status:
         return 1024 * int(re.search(r"VmHWM:\s+(\d+)", status.read())[1])
@@ -94,6 +133,7 @@ def main() -> None:
     parser.add_argument("--size", default="960x540")
     parser.add_argument("--seconds", type=float, default=10)
     parser.add_argument("--binary", default=os.path.join(os.path.dirname(__file__), "..", "build", "gnomon"))
+    parser.add_argument("--browser", action="store_true")
     options = parser.parse_args()
 
     with tempfile.TemporaryDirectory() as folder:
@@ -106,7 +146,7 @@ def main() -> None:
     began = time.monotonic()
     server = subprocess.Popen([options.binary, "view", options.scene, "--no-open"], stdout=subprocess.PIPE, text=True)
     try:
-        found = re.search(r":(\d+)/\?token=(\w+)", server.stdout.readline())
+        found = re.search(r"http://\S+:(\d+)/\?token=(\w+)", server.stdout.readline())
         port, token = int(found[1]), found[2]
         client = Client(port, token)
         facts, _ = client.get("frame.jpg", size=options.size)
@@ -123,6 +163,8 @@ def main() -> None:
             asked.append(1000 * (time.monotonic() - sent))
         figures["explanation_median_ms"] = statistics.median(asked[1:])
         figures["memory_over_render_mib"] = (peak_bytes(server.pid) - render_bytes) / 2**20
+        if options.browser:
+            figures |= turn_in_browser(found[0], options.size, options.seconds)
     finally:
         server.kill()
         server.wait()
