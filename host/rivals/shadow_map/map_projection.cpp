@@ -274,7 +274,10 @@ void ViewFit::run(cl::Session& session, const FitInputs& inputs, std::uint32_t s
     session.write(planned_.get(), measured.data(), sizeof(measured));
 
     run_bounds(session, plan, scene, vertices_of(inputs.triangles), inputs.visibility);
-    if (inputs.camera) run_bounds(session, plan, camera_depths, inputs.points, inputs.visibility);
+    // A single map that is fitted to the receivers does not follow their depths from the camera, if nothing warps it.
+    const bool is_plain = settings_.analysis == ANALYSIS_NONE && plan.projection == PROJECTION_UNIFORM;
+    if (inputs.camera && !(is_plain && plan.partition == PARTITION_SINGLE && plan.fit == FIT_RECEIVERS))
+        run_bounds(session, plan, camera_depths, inputs.points, inputs.visibility);
     session.launch(file, "map_projection_plan", cl::Range::items(plan.view_count), plan, bounds_, planned_);
     run_bounds(session, plan, views, inputs.points, inputs.visibility);
     if (warps_faces(plan)) {
