@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "affine.hpp"
+#include "content.hpp"
 #include "scene.hpp"
 
 namespace gnomon::scene {
@@ -16,28 +17,6 @@ namespace {
 
 constexpr double framing_fov_y_degrees = 50;
 constexpr Float3 origin{0, 0, 0};
-
-struct Bounds {
-    glm::dvec3 least, most;
-    bool is_empty = true;
-};
-
-Bounds empty_bounds() {
-    constexpr double infinity = std::numeric_limits<double>::infinity();
-    return {glm::dvec3(infinity), glm::dvec3(-infinity), true};
-}
-
-void add_triangle(Bounds& b, const float* t) {
-    b.is_empty = false;
-    for (int k = 0; k < 9; k += 3) b.least = min(b.least, loaded(t + k)), b.most = max(b.most, loaded(t + k));
-}
-
-Bounds bounds_of_finite_triangles(const Scene& scene) {
-    Bounds b = empty_bounds();
-    for (std::size_t i = 0; i < scene.triangle_count(); ++i)
-        if (scene.is_finite(i)) add_triangle(b, &scene.triangles[9 * i]);
-    return b;
-}
 
 // ---- Interiors ------------------------------------------------------------------------------------------------------
 // Walls of a room show their fronts (counter-clockwise vertices) to those inside. So a scene is an interior if its
@@ -112,17 +91,19 @@ private:
     std::vector<std::array<double, 2>> at_;  ///< the first coordinate does not fall
 };
 
-void meet(const Scene& scene, std::span<Lines> lines) {
-    for (std::size_t i = 0; i < scene.triangle_count(); ++i)
-        if (scene.is_finite(i))
-            for (Lines& of_axis : lines) of_axis.add(&scene.triangles[9 * i]);
+void meet(const Scene& scene, const Content& content, std::span<Lines> lines) {
+    for_each_finite_triangle(scene, [&](const float* t) {
+        if (content.has(t))
+            for (Lines& of_axis : lines) of_axis.add(t);
+    });
 }
 
 /// True if lines from the four sides mostly meet backs first, or a plain box.
-bool hides_its_inside(const Scene& scene, const Bounds& bounds, const glm::dvec3& middle) {
+bool hides_its_inside(const Scene& scene, const Content& content, const glm::dvec3& middle) {
+    const Bounds& bounds = content.bounds();
     std::array<Lines, 2> lines{Lines(0, middle), Lines(2, middle)};
     for (Lines& of_axis : lines) of_axis.all_over(bounds);
-    meet(scene, lines);
+    meet(scene, content, lines);
     std::size_t backs = 0, seen = 0, on_box = 0;
     for (int i = 0; i < 2; ++i) {
         const double least = bounds.least[2 * i], most = bounds.most[2 * i], near = box_share * (most - least);
@@ -138,17 +119,18 @@ bool hides_its_inside(const Scene& scene, const Bounds& bounds, const glm::dvec3
 
 /// The camera of an interior: above the middle of its floor, near one end of the longer axis and looking along it.
 /// Nothing for other scenes.
-std::optional<Camera> interior_camera(const Scene& scene, const Bounds& bounds) {
+std::optional<Camera> interior_camera(const Scene& scene, const Content& content) {
+    const Bounds& bounds = content.bounds();
     constexpr double eye_height = 0.3, eye_distance = 0.2, interior_fov_y_degrees = 65;
-    glm::dvec3 middle = bounds.least / 2.0 + bounds.most / 2.0;
+    glm::dvec3 middle = bounds.middle();
     middle.y = bounds.least.y + eye_height * (bounds.most.y - bounds.least.y);
     std::array<Lines, 3> lines{Lines(0, middle), Lines(1, middle), Lines(2, middle)};
     for (Lines& of_axis : lines) of_axis.through_middle();
-    meet(scene, lines);
+    meet(scene, content, lines);
     const LineHits &x = lines[0].hits[0], &y = lines[1].hits[0], &z = lines[2].hits[0];
     for (const LineHits* line : {&x, &z})
         if (!line->is_met(0) || !line->is_met(1) || !line->is_inner_up[0] || line->is_inner_up[1]) return {};
-    if (!y.is_met(0) || !y.is_inner_up[0] || !hides_its_inside(scene, bounds, middle)) return {};
+    if (!y.is_met(0) || !y.is_inner_up[0] || !hides_its_inside(scene, content, middle)) return {};
     const int axis = x.inner[1] - x.inner[0] >= z.inner[1] - z.inner[0] ? 0 : 2;
     const LineHits& longer = axis == 0 ? x : z;
     glm::dvec3 eye = middle, target = middle;
@@ -163,63 +145,71 @@ std::optional<Camera> interior_camera(const Scene& scene, const Bounds& bounds) 
 /// Where the viewer may stand. The first is taken unless another shows far more of the triangles.
 constexpr Float3 toward_viewers[] = {{0.8f, 0.6f, 1.0f}, {-0.8f, 0.6f, 1.0f}, {0.2f, 1.0f, 0.4f},
                                      {0.2f, 0.3f, 1.0f}, {1.0f, 0.3f, 0.2f},  {0.8f, -0.6f, 1.0f}};
-constexpr double least_shown = 0.35;  ///< of what the best viewer sees
-constexpr double slope_ratio = 0.8;   ///< of one Reach to the next
-constexpr double filled = 0.88;       ///< of the picture's narrower side, or both where they bind
-/// Ground: triangles no higher above the bottom than this part of the height, if all others are narrower than the
-/// second part of it.
-constexpr double ground_height = 0.01, content_on_ground = 0.5;
+constexpr Float3 low_viewer = {0.8f, 0.1f, 1.0f};
+constexpr double least_shown = 0.35;     ///< of what the best viewer sees
+constexpr double slope_ratio = 0.8;      ///< of one Reach to the next
+constexpr double filled = 0.88;          ///< of the picture's narrower side, or both where they bind
+constexpr double distance_of_eye = 2.5;  ///< about: of half the content's diagonal, in a picture that is not narrow
 
-double width_of(const Bounds& b) { return b.is_empty ? 0 : std::hypot(b.most.x - b.least.x, b.most.z - b.least.z); }
-
-Camera camera_towards(const Float3& viewer) {
-    return Camera::look_at(viewer, origin, {0, 1, 0}, framing_fov_y_degrees);
+Camera camera_towards(const glm::dvec3& viewer) {
+    return Camera::look_at(array_of(viewer), origin, {0, 1, 0}, framing_fov_y_degrees);
 }
 
-/// Calls visit(t) with the nine floats of each finite triangle above a height.
-template <typename Visit>
-void for_each_triangle(const Scene& scene, double above, const Visit& visit) {
-    for (std::size_t i = 0; i < scene.triangle_count(); ++i) {
-        const float* t = &scene.triangles[9 * i];
-        if (scene.is_finite(i) && double(std::max({t[1], t[4], t[7]})) > above) visit(t);
-    }
+/// The viewers from whom no plane hides the content. Their mirror images and a lower one come after they all are
+/// hidden.
+std::vector<glm::dvec3> viewers_of(const Content& content, double aspect) {
+    const double distance = distance_of_eye / std::min(aspect, 1.0) * length(content.bounds().sides()) / 2;
+    const auto sees = [&](const glm::dvec3& viewer) {
+        return !content.is_hidden_from(content.bounds().middle() + distance * normalize(viewer));
+    };
+    std::vector<glm::dvec3> viewers;
+    for (const Float3& viewer : toward_viewers)
+        if (sees(loaded(viewer))) viewers.push_back(loaded(viewer));
+    if (!viewers.empty()) return viewers;
+    for (std::size_t i = 0; i <= std::size(toward_viewers); ++i)
+        for (const double x : {1.0, -1.0})
+            for (const double z : {1.0, -1.0}) {
+                const Float3& viewer = i < std::size(toward_viewers) ? toward_viewers[i] : low_viewer;
+                const glm::dvec3 mirrored = loaded(viewer) * glm::dvec3(x, 1, z);
+                if (sees(mirrored)) viewers.push_back(mirrored);
+            }
+    return viewers;
 }
 
-/// The height up to which triangles are ground, below all if none are.
-double top_of_ground(const Scene& scene, const Bounds& all) {
-    const double top = all.least.y + ground_height * (all.most.y - all.least.y);
-    Bounds rest = empty_bounds();
-    for_each_triangle(scene, top, [&](const float* t) { add_triangle(rest, t); });
-    const bool is_ground = !rest.is_empty && width_of(rest) < content_on_ground * width_of(all);
-    return is_ground ? top : -std::numeric_limits<double>::infinity();
-}
-
-/// The camera that shows most of the triangles' areas, or the first.
-Camera best_camera(const Scene& scene, double above, double scale) {
-    double shown[std::size(toward_viewers)] = {};
-    for_each_triangle(scene, above, [&](const float* t) {
+/// The camera of the viewer who sees most of the content's areas, or the first.
+Camera best_camera(const Scene& scene, const Content& content, const std::vector<glm::dvec3>& viewers) {
+    const double scale = std::max(largest_coordinate(content.bounds().sides() / 2.0), 1e-30);
+    std::vector<double> shown(viewers.size());
+    for_each_finite_triangle(scene, [&](const float* t) {
+        if (!content.has(t)) return;
         const glm::dvec3 corner = loaded(t) / scale;
         const glm::dvec3 normal = cross(loaded(t + 3) / scale - corner, loaded(t + 6) / scale - corner);
-        for (std::size_t i = 0; i < std::size(shown); ++i)
-            shown[i] += std::fabs(dot(normal, normalize(loaded(toward_viewers[i]))));
+        for (std::size_t i = 0; i < viewers.size(); ++i) shown[i] += std::fabs(dot(normal, normalize(viewers[i])));
     });
-    const std::size_t best = std::size_t(std::ranges::max_element(shown) - shown);
-    return camera_towards(toward_viewers[shown[0] >= least_shown * shown[best] ? 0 : best]);
+    const std::size_t best = std::size_t(std::ranges::max_element(shown) - shown.begin());
+    return camera_towards(viewers[shown[0] >= least_shown * shown[best] ? 0 : best]);
 }
 
 }  // namespace
 
-Framing::Framing(const Scene& scene, double aspect) : aspect_(aspect), camera_(camera_towards(toward_viewers[0])) {
-    const Bounds bounds = bounds_of_finite_triangles(scene);
-    if (bounds.is_empty) return;
-    if (const std::optional<Camera> inside = interior_camera(scene, bounds)) {
+Framing::Framing(const Scene& scene, double aspect)
+    : aspect_(aspect), camera_(camera_towards(loaded(toward_viewers[0]))) {
+    auto content = std::make_shared<Content>(scene);
+    content_ = content;
+    if (content->bounds().is_empty()) return;
+    if (const std::optional<Camera> inside = interior_camera(scene, *content)) {
         camera_ = *inside;
         is_interior_ = true;
         return;
     }
-    above_ = top_of_ground(scene, bounds);
-    middle_ = array_of<double>(bounds.least / 2.0 + bounds.most / 2.0);
-    camera_ = best_camera(scene, above_, std::max(largest_coordinate(bounds.most / 2.0 - bounds.least / 2.0), 1e-30));
+    content->leave_out_planes(scene);
+    std::vector<glm::dvec3> viewers = viewers_of(*content, aspect);
+    if (viewers.empty()) {
+        content->take_planes_back(scene);
+        for (const Float3& viewer : toward_viewers) viewers.push_back(loaded(viewer));
+    }
+    middle_ = array_of<double>(content->bounds().middle());
+    camera_ = best_camera(scene, *content, viewers);
     add(scene);
 }
 
@@ -232,7 +222,8 @@ void Framing::add(const Scene& scene) {
     const glm::dvec3 right = loaded(camera_.right), up = loaded(camera_.up), forward = loaded(camera_.forward);
     const glm::dvec3 middle = loaded(middle_.data());
     for (std::size_t i = 0; i < reaches_.size(); ++i) reaches_[i].slope = std::pow(slope_ratio, double(i));
-    for_each_triangle(scene, above_, [&](const float* t) {
+    for_each_finite_triangle(scene, [&](const float* t) {
+        if (!content_->has(t)) return;
         for (int k = 0; k < 9; k += 3) {
             const glm::dvec3 p = loaded(t + k) - middle;
             const double x = dot(p, right), y = dot(p, up), z = dot(p, forward);

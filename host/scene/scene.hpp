@@ -168,10 +168,12 @@ private:
 /// The built-in sundial, with a camera and a light.
 Scene sundial();
 
-/// The camera of scenes without one. It frames all finite triangles, without wide ground that they stand on, in the
-/// middle of the picture (fov_y 50 degrees), from a three-quarter view, or from where far more of them is seen. An
-/// interior, whose walls and floor show their fronts to its middle and to the outside backs or a plain box, is seen
-/// from inside (65 degrees).
+class Content;
+
+/// The camera of scenes without one. It frames the content, which is all finite triangles without strays and without
+/// wide planes, in the middle of the picture (fov_y 50 degrees), from a three-quarter view, or from where far more of
+/// it is seen. An interior, whose walls and floor show their fronts to its middle and to the outside backs or a plain
+/// box, is seen from inside (65 degrees).
 class Framing {
 public:
     /// `aspect`: the picture's width over its height.
@@ -186,7 +188,7 @@ private:
     double aspect_;
     Camera camera_;
     bool is_interior_ = false;
-    double above_ = nothing;          ///< triangles up to this height are ground
+    std::shared_ptr<const Content> content_;
     std::array<double, 3> middle_{};  ///< the other numbers count from it
     /// What is known for one slope of the sides of the seen pyramid, to the right, left, up and down.
     struct Reach {

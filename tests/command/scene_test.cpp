@@ -1186,6 +1186,118 @@ TEST(DefaultCamera, FillsThePicture) {
         }
 }
 
+/// Turned about the axis y, then about x, by these angles in degrees.
+std::vector<float> turned(std::vector<float> triangles, double about_y, double about_x = 0) {
+    const double y = about_y * 3.14159265358979 / 180, x = about_x * 3.14159265358979 / 180;
+    for (std::size_t v = 0; v < triangles.size(); v += 3) {
+        const double px = triangles[v], py = triangles[v + 1], pz = triangles[v + 2];
+        const double qx = px * std::cos(y) + pz * std::sin(y), qz = -px * std::sin(y) + pz * std::cos(y);
+        triangles[v] = float(qx);
+        triangles[v + 1] = float(py * std::cos(x) - qz * std::sin(x));
+        triangles[v + 2] = float(py * std::sin(x) + qz * std::cos(x));
+    }
+    return triangles;
+}
+
+/// A square of 100 x 100 quads, 1 each, around the axis y: their heights are height(x, z).
+std::vector<float> landscape(const std::function<double(double, double)>& height) {
+    std::vector<float> triangles;
+    for (int i = -50; i < 50; ++i)
+        for (int j = -50; j < 50; ++j)
+            for (const auto& [x, z] : {std::pair{0, 0}, {0, 1}, {1, 1}, {0, 0}, {1, 1}, {1, 0}})
+                triangles.insert(triangles.end(), {float(i + x), float(height(i + x, j + z)), float(j + z)});
+    return triangles;
+}
+
+/// Whether a triangle of these lies between the eye and the point.
+bool is_hidden(const gnomon::Camera& camera, const Float3& point, const std::vector<float>& triangles) {
+    const auto side = [](const double* a, const double* b, const double* c) {
+        return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
+               a[2] * (b[0] * c[1] - b[1] * c[0]);
+    };
+    for (std::size_t t = 0; t < triangles.size(); t += 9) {
+        double p[4][3];  // of the triangle's corners and the point, from the eye
+        for (std::size_t i = 0; i < 12; ++i)
+            p[i / 3][i % 3] = double(i < 9 ? triangles[t + i] : point[i - 9]) - double(camera.eye[i % 3]);
+        const double e[3] = {side(p[0], p[1], p[3]), side(p[1], p[2], p[3]), side(p[2], p[0], p[3])};
+        const double volume = side(p[0], p[1], p[2]), sum = e[0] + e[1] + e[2];
+        const bool is_through = (e[0] > 0 && e[1] > 0 && e[2] > 0) || (e[0] < 0 && e[1] < 0 && e[2] < 0);
+        if (is_through && volume / sum > 0 && volume / sum < 1) return true;
+    }
+    return false;
+}
+
+// What is wide or far does not make the content a speck, and does not hide it.
+TEST(DefaultCamera, FillsThePictureBesideWallsAndStrays) {
+    const std::vector<float> cube = cuboid({-1, 0, -1}, {1, 2, 1});
+    const std::vector<float> ground = cuboid({-50, -0.01f, -50}, {50, 0, 50});
+    const std::vector<float> north = cuboid({-50, 0, -2}, {50, 60, -2}), south = cuboid({-50, 0, 3}, {50, 60, 3});
+    const std::vector<float> east = cuboid({3, 0, -50}, {3, 60, 50}), ceiling = cuboid({-50, 3, -50}, {50, 3, 50});
+    const auto stray = [](float x, float y, float z) { return std::vector<float>{x, y, z, x + 1, y, z, x, y, z + 1}; };
+    const std::vector<float> car_park = together(ground, cuboid({-50, 2.2f, -50}, {50, 2.5f, 50}));
+    const auto dunes = [](double x, double z) { return 0.008 * std::sin(x) * std::sin(z); };
+    const struct {
+        const char* name;
+        std::vector<float> content, beside;
+    } cases[] = {
+        {"before a wall", cube, north},
+        {"behind a wall", cube, south},
+        {"west of a wall", cube, east},
+        {"before a thick wall", cube, cuboid({-50, -30, -5}, {50, 60, -2})},
+        {"between walls", cube, together(together(north, south), ground)},
+        {"in a corner", cube, together(together(north, east), ground)},
+        {"under a ceiling", cube, ceiling},
+        {"under a low ceiling", cube, cuboid({-50, 2, -50}, {50, 2, 50})},
+        {"under a ceiling, before a wall", cube, together(ceiling, north)},
+        {"in a car park", cube, car_park},
+        {"flat, in a corner", cuboid({-1, 0, -1}, {1, 0.3f, 1}), together(together(north, east), ground)},
+        {"on a thick plate", cube, cuboid({-50, -3, -50}, {50, 0, 50})},
+        {"half sunk into the ground", cube, cuboid({-50, 1, -50}, {50, 1, 50})},
+        {"a tower on a square", cuboid({-1, 0, -1}, {1, 50, 1}), ground},
+        {"before a wall that is turned", turned(cube, 30), turned(north, 30)},
+        {"in a corner that is turned", turned(cube, 70), turned(together(together(north, east), ground), 70)},
+        {"on a slope", turned(cube, 20, 25), turned(ground, 20, 25)},
+        {"on ground of many triangles", cube, landscape([](double, double) { return 0.0; })},
+        {"on rough ground", cube, landscape(dunes)},
+        {"a stray", cube, stray(5000, 0, 0)},
+        {"a stray above", cube, stray(0, 30000, 0)},
+        {"strays on three sides", cube,
+         together(together(stray(-9000, 1, 80), stray(5, -40, 7000)), stray(1e5f, 0, 0))},
+        {"strays in a row", cube, together(together(stray(1000, 0, 0), stray(2000, 0, 9)), stray(3000, 7, 0))},
+        {"a stray of no area", cube, {1e6f, 1e6f, 1e6f, 1e6f, 1e6f, 1e6f, 1e6f, 1e6f, 1e6f}},
+        {"a stray beside ground", cube, together(stray(20000, 0, 0), ground)},
+        {"ground on a wide sea", cube, together(ground, cuboid({-5000, -1, -5000}, {5000, -1, 5000}))},
+        // All of these is content.
+        {"a house with a chimney", together(cuboid({0, 0, 0}, {10, 6, 8}), cuboid({2, 6, 2}, {2.5f, 7, 2.5f})), {}},
+        {"walls with a thing inside", together(cuboid({-9, 0, -9}, {9, 30, 9}), cube), {}},
+        {"a hill", landscape([](double x, double z) { return 9 * std::exp(-(x * x + z * z) / 300); }), {}},
+        {"low hills", landscape([](double x, double z) { return 0.5 * std::sin(x / 9) * std::cos(z / 7); }), {}},
+        {"a hill and a tree",
+         together(landscape([](double x, double z) { return 9 * std::exp(-(x * x + z * z) / 300); }),
+                  cuboid({350, 0, 0}, {351, 9, 1})),
+         {}},
+        {"two houses far apart", together(cuboid({0, 0, 0}, {9, 9, 9}), cuboid({500, 0, 0}, {509, 9, 9})), {}},
+    };
+    for (const double aspect : {16.0 / 9, 1.0, 0.5})
+        for (const auto& [name, content, beside] : cases) {
+            Scene scene;
+            scene.triangles = together(beside, content);
+            const gnomon::Camera camera = gnomon::scene::framing_camera(scene, aspect);
+            const Shown box = shown(camera, content, aspect);
+            EXPECT_GE(std::max(box.width, box.height), 0.6) << name << ' ' << aspect;
+            EXPECT_LE(std::max(box.width, box.height), 0.95) << name << ' ' << aspect;
+            EXPECT_LT(std::abs(box.middle_x), 0.06) << name << ' ' << aspect;
+            EXPECT_LT(std::abs(box.middle_y), 0.06) << name << ' ' << aspect;
+            std::size_t hidden = 0;
+            for (std::size_t v = 0; v < content.size(); v += 3) {
+                Float3 half_way;  // to the middle of the first corner's opposite one, which is inside
+                for (std::size_t i = 0; i < 3; ++i) half_way[i] = (content[v + i] + content[i]) / 2;
+                hidden += std::size_t(is_hidden(camera, half_way, beside));
+            }
+            EXPECT_LE(2 * hidden, content.size() / 3) << name << ' ' << aspect << ": hidden";
+        }
+}
+
 // A sequence: what moves stays in the picture.
 TEST(DefaultCamera, FramesTheWholeMotion) {
     Scene first, last;
