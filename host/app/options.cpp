@@ -2,7 +2,7 @@
 // The command line: its options, their meanings, and the combinations that are allowed.
 #include "options.hpp"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cmath>
@@ -469,6 +469,7 @@ void add_sun_options(CLI::App& app, HoursOptions& options, SunsOfPlace& place) {
         file_name(".csv"), into(options.written_directions));
     exclude(app, "--directions", {"--place", "--epw"});
     exclude(app, "--epw", {"--place", "--unit"});
+    exclude(app, "--day", {"--year"});
     require(app, {{"--diffuse", "--epw"}});
     for (const char* const option : {"--day", "--year", "--step", "--utc", "--apparent"})
         require(app, {{option, "--place"}});
@@ -580,8 +581,6 @@ std::string sentence_of(const CLI::ParseError& error) {
     if (dynamic_cast<const CLI::ArgumentMismatch*>(&error)) return text.substr(0, colon) + " needs a value";
     if (dynamic_cast<const CLI::ValidationError*>(&error)) return text.substr(0, colon) + text.substr(colon + 1);
     if (dynamic_cast<const CLI::ExcludesError*>(&error)) return text + ": give one of them";
-    if (dynamic_cast<const CLI::ExtrasError*>(&error))
-        return "unexpected argument" + text.substr(colon) + " (see --help)";
     return text;
 }
 
@@ -595,6 +594,9 @@ std::optional<std::string> parse_or_text(CLI::App& parser, const std::vector<std
         return help_of(parser);
     } catch (const CLI::CallForVersion& call) {
         return std::string(call.what()) + "\n";
+    } catch (const CLI::ExtrasError&) {
+        // The error's own text has them from the last to the first.
+        throw UsageError(fmt::format("unexpected argument: {} (see --help)", fmt::join(parser.remaining(true), " ")));
     } catch (const CLI::ParseError& error) {
         throw UsageError(sentence_of(error));
     }

@@ -17,16 +17,18 @@ def study(folder: Any, **arguments: Any) -> Study:
     Raises ImportError with the remedy where pip install 'gnomon[study]' was not done."""
     try:
         from . import studies
+
+        return studies.study(folder, **arguments)
     except ModuleNotFoundError as error:
         raise ImportError(NEEDS.format(error.name)) from None
-    return studies.study(folder, **arguments)
 
 
 def main() -> int:
     """The command gnomon-study."""
     try:
         from .studies.command import main as command
+
+        return command()
     except ModuleNotFoundError as error:
         print(f"gnomon-study: {NEEDS.format(error.name)}", file=sys.stderr)
         return 1
-    return command()

@@ -278,6 +278,17 @@ def test_a_mosaic_reads_like_one_file(tmp_path):
         (dict(sky=17, start=None, end=None), "sky: 17 is not between 0 and 16"),
         (dict(sun_disk=8, outputs=["bits"]), "a sun disk gives shares"),
         (dict(receivers="points"), 'receivers: "points" needs points='),
+        (dict(raster=""), "raster: the name of a file is empty"),
+        (dict(utc_offset=27), "utc_offset: 27.0 hours are not between -14 and 14"),
+        (dict(utc_offset=float("nan")), "utc_offset: nan is not a finite number"),
+        (dict(outside="high"), "outside: 'high' is not a finite number"),
+        (dict(mesh_offset=[0, 0, float("nan")]), "mesh_offset: nan is not a finite number"),
+        (dict(tile=12.5), "tile: 12.5 is not a whole number"),
+        (dict(sky="2", start=None, end=None, tile="many"), "tile: 'many' is not a finite number"),
+        (dict(curvature="no"), "curvature: 'no' is neither true nor false"),
+        (dict(refraction_of_ground=1), "refraction_of_ground: 1 is not below 1"),
+        (dict(pressure=-1), "pressure: -1.0 Pa must not be below 0"),
+        (dict(temperature=-300), "temperature: -300.0 C is below absolute zero"),
     ],
 )
 def test_wrong_settings_are_named(more, text):
@@ -293,6 +304,10 @@ def test_a_file_of_settings(tmp_path):
         "workers": 2
     }
     assert isinstance(settings, Settings) and Path(settings.raster[0]).is_absolute()
+    with pytest.raises(ValueError, match="nothing.toml: there is no such file"):
+        read_toml(tmp_path / "nothing.toml")
+    with pytest.raises(ValueError, match="dsm.tif: is no text in UTF-8"):
+        read_toml(raster)
 
 
 @pytest.mark.parametrize(

@@ -163,6 +163,10 @@ def _check_suns(s: Settings) -> None:
     _need(sum(sources) == 1, "suns: give start and end, or directions, or sky, or weather: one of them")
     _need((s.start is None) == (s.end is None), "start, end: one needs the other")
     _need(s.step > 0 and abs(s.step * 60 - round(s.step * 60)) < 1e-9, f"step: {s.step} is not whole seconds")
+    _need(abs(s.utc_offset) <= 14, f"utc_offset: {s.utc_offset} hours are not between -14 and 14")
+    _need(s.pressure >= 0, f"pressure: {s.pressure} Pa must not be below 0")
+    _need(s.temperature > -273.15, f"temperature: {s.temperature} C is below absolute zero")
+    _need(s.refraction_of_ground < 1, f"refraction_of_ground: {s.refraction_of_ground} is not below 1")
     _need(s.elevation in ("true", "apparent"), f"elevation: {s.elevation!r} is neither 'true' nor 'apparent'")
     _need(0 < s.min_elevation < 90, f"min_elevation: {s.min_elevation} is not between 0 and 90")
     _need(s.zone > 0, f"zone: {s.zone} must be above 0")
@@ -225,6 +229,7 @@ def _names_of(value: Any, key: str) -> list[str]:
         why = "must be a file's name, which workers and later runs read again"
         raise ValueError(f"{key}: {why}, not {type(value).__name__}: {remedy}")
     if isinstance(value, str | bytes | os.PathLike):
+        _need(bool(os.fsdecode(value)), f"{key}: the name of a file is empty")
         return [os.fsdecode(value)]
     return [name for one in value for name in _names_of(one, key)]
 
@@ -272,10 +277,19 @@ def settings_of(values: dict[str, Any], folder: Path | None = None) -> Settings:
     elif fields.get("sun_disk"):
         fields["outputs"] = ("hours",)
     if "mesh_offset" in fields:
-        fields["mesh_offset"] = tuple(float(x) for x in fields["mesh_offset"])
+        fields["mesh_offset"] = tuple(_number("mesh_offset", x) for x in fields["mesh_offset"])
     for key in ("step", "utc_offset", "min_elevation", "zone", "spacing", "pressure", "temperature"):
         if key in fields:
             fields[key] = _number(key, fields[key])
+    for key in ("refraction_of_ground", "lattice", "outside", "halo_limit"):
+        if key in fields and not isinstance(fields[key], int):  # older studies go on
+            fields[key] = _number(key, fields[key])
+    for key in ("sun_disk", "sky", "memory_limit", "tile", "caster_tile", "block"):
+        if key in fields:
+            fields[key] = _whole_number(key, fields[key])
+    if "curvature" in fields:
+        _need(fields["curvature"] in (True, False), f"curvature: {fields['curvature']!r} is neither true nor false")
+        fields["curvature"] = bool(fields["curvature"])
     return Settings(**fields)
 
 
@@ -286,9 +300,17 @@ def _number(key: str, value: Any) -> float:
         assert match is not None
         return float(match[1]) * {"s": 1 / 60, "min": 1, None: 1, "h": 60}[match[2]]
     try:
-        return float(value)
+        number = float(value)
     except (TypeError, ValueError):
-        raise ValueError(f"{key}: {value!r} is not a number") from None
+        number = math.nan
+    _need(math.isfinite(number), f"{key}: {value!r} is not a finite number")
+    return number
+
+
+def _whole_number(key: str, value: Any) -> int:
+    number = _number(key, value)
+    _need(number.is_integer(), f"{key}: {value!r} is not a whole number")
+    return int(number)
 
 
 def read_toml(path: str | Path, **more: Any) -> tuple[Settings, dict[str, Any]]:
@@ -296,7 +318,11 @@ def read_toml(path: str | Path, **more: Any) -> tuple[Settings, dict[str, Any]]:
     absolute paths. Raises ValueError or OSError."""
     file = Path(path)
     try:
-        values = tomllib.loads(file.read_text())
+        values = tomllib.loads(file.read_text("utf-8"))
+    except FileNotFoundError:
+        raise ValueError(f"{file}: there is no such file") from None
+    except UnicodeDecodeError:
+        raise ValueError(f"{file}: is no text in UTF-8, as the settings of a study are (docs/studies.md)") from None
     except tomllib.TOMLDecodeError as error:
         raise ValueError(f"{file}: {error}") from None
     run = values.pop("run", {})
