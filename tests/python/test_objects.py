@@ -160,9 +160,37 @@ def test_arrays_that_hold_no_numbers_say_what_to_call():
         gnomon.Scene(iter(ROOF))
     records = np.array([tuple(v) for v in VERTICES], [(axis, "f4") for axis in "xyz"])
     with pytest.raises(ValueError, match="^vertices: .*records of x, y, z: .*structured_to_unstructured"):
-        gnomon.Scene(records, FACES)
+        gnomon.Scene(records)
+    assert gnomon.Scene(records, FACES).lit(POINTS, direction=DOWN).tolist() == RIGHT
     vertices = np.lib.recfunctions.structured_to_unstructured(records)
     assert gnomon.Scene(vertices, FACES).lit(POINTS, direction=DOWN).tolist() == RIGHT
+
+
+def test_columns_of_a_table_go_by_their_names():
+    """In any order, beside others, in a structured array, too: by their places they are other points."""
+    pandas = pytest.importorskip("pandas")
+    scene = gnomon.Scene(ROOF)
+    points = np.asarray(POINTS, float)
+    z_first = pandas.DataFrame({"Z": points[:, 2], "id": ["a"] * len(points), "Y": points[:, 1], "X": points[:, 0]})
+    assert scene.lit(z_first, direction=DOWN).tolist() == RIGHT
+    fields = np.zeros(len(points), [("z", "f8"), ("x", "f4"), ("y", "f8")])
+    for k, field in enumerate("xyz"):
+        fields[field] = points[:, k]
+    assert scene.lit(fields, direction=DOWN).tolist() == RIGHT
+    assert scene.lit(pandas.DataFrame(points), direction=DOWN).tolist() == RIGHT, "columns without names"
+    for columns in (["a", "b", "c"], ["x", "y", "Y"], ["x", "y", "z", "X"]):
+        with pytest.raises(ValueError, match="points: of the columns .* three must be x, y, z, each once"):
+            scene.lit(pandas.DataFrame(np.zeros((2, len(columns))), columns=columns), direction=DOWN)
+
+
+def test_what_is_no_array_is_named():
+    scene = gnomon.Scene(ROOF)
+    with pytest.raises(ValueError, match="points: is no array: .*inhomogeneous"):
+        scene.lit([[1, 2, 3], [1, 2]], direction=DOWN)
+    iterator = (row for row in POINTS)
+    for none, text in ((iterator, r"object: give the list\(\)"), ({"x": 1}, "object"), ({(1, 2)}, "object")):
+        with pytest.raises(ValueError, match=f"points: must be real numbers, not {text}"):
+            scene.lit(none, direction=DOWN)
 
 
 def test_the_remedy_for_a_cell_of_a_volume_helps():

@@ -26,7 +26,10 @@ def on_host(array: Any, name: str) -> NDArray[Any]:
     _require_no_file(array, name)
     if not hasattr(array, "__array__") and hasattr(array, "__dlpack__"):
         return np.from_dlpack(array)
-    values = np.ma.array(array) if _has_mask(array) else np.asarray(array)
+    try:
+        values = np.ma.array(array) if _has_mask(array) else np.asarray(array)
+    except ValueError as error:  # rows of different lengths
+        raise ValueError(f"{name}: is no array: {error}") from None
     absent = np.ma.getmaskarray(values) if isinstance(values, np.ma.MaskedArray) else _declared_absent(array, values)
     if values.dtype == object:
         values, absent = _numbers_of(np.asarray(values), absent)
@@ -215,12 +218,27 @@ def float32_of(array: NDArray[Any], name: str) -> NDArray[np.float32]:
     return rounded
 
 
+def columns_of(array: Any, name: str) -> Any:
+    """Of a table or a structured array the columns x, y and z, of normals nx, ny and nz too, wherever they stand. Other
+    objects stay as they are, and so does a table whose columns have no names."""
+    names = getattr(getattr(array, "dtype", None), "names", None)
+    names = getattr(array, "columns", None) if names is None else names
+    if names is None or callable(names) or not all(isinstance(one, str) for one in names):
+        return array
+    places = {one.strip().lower(): one for one in names}
+    for three in [("nx", "ny", "nz")] * (name == "normals") + [("x", "y", "z")]:
+        if len(places) == len(names) and all(one in places for one in three):
+            return np.stack([on_host(array[places[one]], name) for one in three], axis=-1)
+    given = ", ".join(names)
+    raise ValueError(f"{name}: of the columns {given} three must be x, y, z, each once; or give an array (N, 3)")
+
+
 def rows_of_triples(array: Any, name: str) -> NDArray[Any]:
-    """An array (..., 3) of real numbers."""
-    values = on_host(array, name)
+    """An array (..., 3) of real numbers. Tables by the names of their columns."""
+    values = on_host(columns_of(array, name), name)
+    require_real(values, name)
     if values.ndim < 2 or values.shape[-1] != 3:
         raise ValueError(f"{name}: shape {values.shape} is not (..., 3)")
-    require_real(values, name)
     return values
 
 
@@ -254,7 +272,7 @@ def triple(value: Any, name: str) -> tuple[float, float, float]:
 def triangles_of(vertices: Any, faces: Any) -> NDArray[Any]:
     """Triangles (F, 3, 3) of a mesh's vertices (V, 3) and faces (F, 3), or of triangles (F, 3, 3) or (F, 9), in the
     vertices' own dtype."""
-    values = on_host(vertices, "vertices")
+    values = on_host(vertices if faces is None else columns_of(vertices, "vertices"), "vertices")
     require_real(values, "vertices")
     if faces is None:
         if values.ndim not in (2, 3) or values.shape[1:] not in ((3, 3), (9,)):
