@@ -31,6 +31,19 @@ def test_meshes_have_the_triangles_that_vtk_reads(name):
     assert len(triangles) > 100 and np.array_equal(ordered(mesh.triangles), ordered(triangles))
 
 
+def test_the_remedy_for_a_format_that_is_not_read_helps(tmp_path):
+    """trimesh's reader of .vtk, which is meshio's, ends at this file of pyvista's."""
+    pyvista = pytest.importorskip("pyvista")
+    file = Path(pyvista.examples.dir_path) / "globe.vtk"
+    with pytest.raises(meshes.UnreadableError, match="globe.vtk: cannot be read: .*; write it as .ply"):
+        meshes.load(str(file))
+    globe = pyvista.read(file)
+    pyvista.PolyData(globe.points, globe.faces).save(tmp_path / "globe.ply")
+    triangles = globe.points[globe.regular_faces]
+    assert len(triangles) == 980
+    assert np.array_equal(ordered(meshes.load(str(tmp_path / "globe.ply")).triangles), ordered(triangles))
+
+
 def test_a_fault_in_tennessee(tmp_path):
     """The heights that matplotlib ships (SRTM's, of USGS) are a grid in degrees: the remedy that its error names helps.
     The sun of the afternoon lights the slopes that look to it; those behind the ridges are dark."""

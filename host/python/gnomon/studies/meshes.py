@@ -48,7 +48,9 @@ def _load(name: str, stamp: tuple[int, int] | None) -> MeshFile:
         raise
     except Exception as error:  # a loader may raise anything at a broken file
         text = str(error)
-        raise UnreadableError(text if text.startswith(name) else f"{name}: cannot be read: {error}") from error
+        is_own = Path(name).suffix.lower() in (".ply", ".obj", ".off", ".stl", ".glb", ".gltf", ".json", ".jsonl")
+        remedy = "" if is_own else "; write it as .ply, .obj or .glb, and give that"
+        raise UnreadableError(text if text.startswith(name) else f"{name}: cannot be read: {error}{remedy}") from error
     if not np.isfinite(mesh.triangles).all():
         raise UnreadableError(f"{name}: a coordinate is not finite")
     _arrays.require_no_fill_values(mesh.triangles.reshape(-1, 9), name)
