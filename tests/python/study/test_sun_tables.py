@@ -191,6 +191,27 @@ def test_utf_16_is_named(tmp_path):
         read_points(str(tmp_path / "points.csv"))
 
 
+def test_a_table_in_latin_1(tmp_path):
+    """Spreadsheets of western Europe write it; headings beside the three are of no account."""
+    (tmp_path / "points.csv").write_bytes("Straße,x,y,z\nMärzgasse,1,2,3\n".encode("latin-1"))
+    assert read_points(str(tmp_path / "points.csv")).tolist() == [[1, 2, 3]]
+    (tmp_path / "points.csv").write_bytes("Straße,x,y\nMärzgasse,1,2\n".encode("latin-1"))
+    with pytest.raises(ValueError, match="points.csv: points need .* it has straße, x, y"):
+        read_points(str(tmp_path / "points.csv"))
+
+
+def test_records_of_a_npy_file_go_by_their_names(tmp_path):
+    file = str(tmp_path / "points.npy")
+    np.save(file, np.array([(3, 9, 2, 1)], [("Z", "f8"), ("id", "i4"), ("y", "f4"), ("x", "f8")]))
+    assert read_points(file).tolist() == [[1, 2, 3]]
+    np.save(file, np.array([(3, 2)], [("z", "f8"), ("y", "f8")]))
+    with pytest.raises(ValueError, match="points.npy: points need the columns x, y, z"):
+        read_points(file)
+    np.save(file, np.ones((1, 3), complex))
+    with pytest.raises(ValueError, match="points.npy: holds complex128, not real numbers"):
+        read_points(file)
+
+
 @pytest.mark.parametrize("text", [
     "0\n1\n2\n", "dni\n0\n1\n2\n", "Direct normal [W/m2]\n0\n1\n2\n", "time,Weight\n10:00,0\n11:00,1\n12:00,2\n",
     '\ufeff"DNI"\r\n0\r\n1\r\n2\r\n', "weight;note\n0;a\n1;b\n2;c\n",

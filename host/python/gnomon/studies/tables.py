@@ -21,23 +21,35 @@ POINT_COLUMNS = ("x", "y", "z"), ("x", "y", "z", "nx", "ny", "nz")
 
 
 def _text_of(file: str) -> bytes:
-    """The bytes of a file, unpacked if they are gzip's."""
+    """The text of a file, unpacked if it is gzip's. What is not UTF-8 is taken for Latin-1 (but for UTF-16, which the
+    reader names): its numbers are the same, and messages can have its headings."""
     try:
         data = Path(file).read_bytes()
-        return gzip.decompress(data) if data.startswith(b"\x1f\x8b") else data
+        data = gzip.decompress(data) if data.startswith(b"\x1f\x8b") else data
     except (OSError, EOFError, zlib.error) as error:
         raise ValueError(f"{file}: {error}") from None
+    try:
+        data.decode()
+    except UnicodeDecodeError:
+        return data if data.startswith((b"\xff\xfe", b"\xfe\xff")) else data.decode("latin-1").encode()
+    return data
 
 
 class _NpyTable:
-    """Rows of float64 in a .npy file, with the names of the one of `unnamed` that has as many columns."""
+    """Rows of float64 in a .npy file, with the names of its records, or of the one of `unnamed` that has as many
+    columns."""
 
     def __init__(self, file: str, unnamed: tuple[tuple[str, ...], ...]) -> None:
         self.file = file
         try:
-            values = np.asarray(np.load(file, allow_pickle=False), np.float64)
+            values = np.load(file, allow_pickle=False)
         except (ValueError, OSError, EOFError) as error:
             raise ValueError(f"{file}: {error}") from None
+        if values.dtype.names:
+            self.names = [name.strip().lower() for name in values.dtype.names]
+            self._columns = [self._real(values[name].reshape(-1)) for name in values.dtype.names]
+            return
+        values = self._real(values)
         if values.ndim not in (1, 2):
             raise ValueError(f"{file}: shape {values.shape} is not (N, columns)")
         self._columns = list(values[:, None].T if values.ndim == 1 else values.T)
@@ -46,6 +58,11 @@ class _NpyTable:
             counts = " or ".join(str(len(names)) for names in unnamed)
             raise ValueError(f"{file}: must have {counts} columns, or names for its {len(self._columns)}")
         self.names = list(found[0])
+
+    def _real(self, values: NDArray[Any]) -> NDArray[np.float64]:
+        if values.dtype.kind not in "iuf":
+            raise ValueError(f"{self.file}: holds {values.dtype}, not real numbers")
+        return np.asarray(values, np.float64)
 
     def __len__(self) -> int:
         return len(self._columns[0]) if self._columns else 0
