@@ -96,7 +96,7 @@ constexpr double wide_share = 0.5;    ///< of all: a plane is at least as wide
 constexpr double narrow = 0.25, narrow_on_ground = 0.5;  ///< of all: what is beside planes is narrower
 constexpr double edge_share = 0.05;   ///< of the widest plane's area: what has less is the edge of a plate
 constexpr double plate_share = 0.05;  ///< of all: levels with a smaller distance are one plate
-constexpr std::size_t plate_levels = 4, most_plates = 3;
+constexpr std::size_t plate_levels = 4, most_plates = 3, most_boxes = 16;
 
 /// How wide a box is, seen along an axis.
 double width_along(int axis, const Bounds& box) {
@@ -136,6 +136,7 @@ public:
         for (const auto& [level, area] : levels_) {
             if (level.is_empty() || width_along(axis_, level) < wide_share * width_) continue;
             planes.boxes.push_back(level);
+            if (planes.boxes.size() > most_boxes) return {};  // the walls of a town
             if (area < least_area) continue;
             const bool is_next = below != nullptr && level.least[axis_] - below->most[axis_] < plate_share * width_;
             levels_of_plate = is_next ? levels_of_plate + 1 : 1;

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -1235,6 +1236,11 @@ TEST(DefaultCamera, FillsThePictureBesideWallsAndStrays) {
     const std::vector<float> east = cuboid({3, 0, -50}, {3, 60, 50}), ceiling = cuboid({-50, 3, -50}, {50, 3, 50});
     const auto stray = [](float x, float y, float z) { return std::vector<float>{x, y, z, x + 1, y, z, x, y, z + 1}; };
     const std::vector<float> car_park = together(ground, cuboid({-50, 2.2f, -50}, {50, 2.5f, 50}));
+    std::vector<float> town = ground;
+    for (int i = 0; i < 400; ++i) {
+        const float x = float(5 * (i / 20) - 50), z = float(5 * (i % 20) - 50);
+        town = together(town, cuboid({x, 0, z}, {x + 3, float(1 + i % 7), z + 3}));
+    }
     const auto dunes = [](double x, double z) { return 0.008 * std::sin(x) * std::sin(z); };
     const struct {
         const char* name;
@@ -1268,6 +1274,7 @@ TEST(DefaultCamera, FillsThePictureBesideWallsAndStrays) {
         {"a stray beside ground", cube, together(stray(20000, 0, 0), ground)},
         {"ground on a wide sea", cube, together(ground, cuboid({-5000, -1, -5000}, {5000, -1, 5000}))},
         // All of these is content.
+        {"a town", town, {}},
         {"a house with a chimney", together(cuboid({0, 0, 0}, {10, 6, 8}), cuboid({2, 6, 2}, {2.5f, 7, 2.5f})), {}},
         {"walls with a thing inside", together(cuboid({-9, 0, -9}, {9, 30, 9}), cube), {}},
         {"a hill", landscape([](double x, double z) { return 9 * std::exp(-(x * x + z * z) / 300); }), {}},
