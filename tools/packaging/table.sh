@@ -22,7 +22,8 @@ quoted() { sed 's/"/""/g; s/.*/"&"/'; }
 {
     echo "commit,clean root,what was run"
     for results in debian/results/debian:'Debian 12' python/results/wheel_bookworm:'Debian 12' \
-        python/results/wheel_trixie:'Debian 13' python/results/sdist:'Debian 12' recipes/results/library:'Debian 12'; do
+        python/results/wheel_trixie:'Debian 13' python/results/older_glibc:'Debian 11' \
+        python/results/sdist:'Debian 12' recipes/results/library:'Debian 12'; do
         file=$build/${results%:*}.txt
         [ -e "$file" ] || continue
         quoted <"$file" | sed "s/^/$commit,${results#*:},/"
