@@ -594,8 +594,7 @@ std::optional<std::string> parse_or_text(CLI::App& parser, const std::vector<std
         return help_of(parser);
     } catch (const CLI::CallForVersion& call) {
         return std::string(call.what()) + "\n";
-    } catch (const CLI::ExtrasError&) {
-        // The error's own text has them from the last to the first.
+    } catch (const CLI::ExtrasError&) {  // whose own text has them from the last to the first
         throw UsageError(fmt::format("unexpected argument: {} (see --help)", fmt::join(parser.remaining(true), " ")));
     } catch (const CLI::ParseError& error) {
         throw UsageError(sentence_of(error));
