@@ -233,7 +233,7 @@ def irradiation(
         values = np.full(len(flat), np.nan)
         values[there] = 0
         if there.size and np.any(weights):
-            lights = Lights.directions(-_turned(directions, up, north), weights / 1000)
+            lights = Lights.directions(-turned(directions, up, north), weights / 1000)
             lit = on_lattice.lit_by(flat[there], lights, side=side, lift=True, cosines=True, progress=progress)
             values[there] = lit.sums
         found.append(values.reshape(positions.shape[:-1]))
@@ -242,7 +242,7 @@ def irradiation(
     return Irradiation(direct, diffuse, ground, direct + diffuse + ground, left_out)
 
 
-def _turned(directions: NDArray[np.float64], up: str, north: float) -> NDArray[np.float64]:
+def turned(directions: NDArray[np.float64], up: str, north: float) -> NDArray[np.float64]:
     """Directions of x east, y north, z up in the axes of a scene."""
     turn = math.radians(north)
     x = directions[:, 0] * math.cos(turn) + directions[:, 1] * math.sin(turn)
