@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The lit share of surfaces, as intervals that are proven to contain it (docs/integrations.md)."""
+"""The lit share of surfaces, as intervals that are proven to contain it (docs/shares.md)."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Solar energy on surfaces, from weather files: pip install 'gnomon[weather]' (docs/integrations.md)."""
+"""Solar energy on surfaces, from weather files: pip install 'gnomon[weather]' (docs/weather.md)."""
 
 from __future__ import annotations
 
