@@ -47,9 +47,7 @@ int side_of(const std::array<Wide, 3>& n, const float* l) {
     for (Wide sum = 0;; sum *= Wide(1) << finer, exponent -= finer) {
         for (unsigned c = 0; c < 3; ++c) {
             const double scaled = std::ldexp(rest[c], -exponent);
-            if (scaled != std::trunc(scaled)) continue;
-            sum += n[c] * Wide(scaled);
-            rest[c] = 0;
+            if (scaled == std::trunc(scaled)) sum += n[c] * Wide(scaled), rest[c] = 0;
         }
         if (rest == std::array<double, 3>{} || sum > certain || sum < -certain) return (sum > 0) - (sum < 0);
     }

@@ -105,5 +105,8 @@ def test_the_page_runs(tmp_path, monkeypatch, capsys):
     with rasterio.open("seen.tif") as seen, rasterio.open("masts.tif") as masts, rasterio.open("counts.tif") as counts:
         assert ((seen.read(1) == 255) == (masts.read(1) == 0)).all()
         assert {*np.unique(counts.read(1))} == {0, 1, 2, 3}
+    with rasterio.open("past.tif") as past, rasterio.open("all.tif") as every:
+        hidden = every.read(1).astype(int) - past.read(1)
+        assert hidden.min() == 0 < hidden.max()  # the wall hides, and shows nothing new
     made, kept = (np.asarray(image.open(p).convert("L"), float) for p in ("viewshed.png", PAGE.parent / "viewshed.png"))
     assert made.shape == kept.shape and np.abs(made - kept).mean() < 4, "the page's picture is the one that it makes"

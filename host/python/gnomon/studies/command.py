@@ -92,6 +92,17 @@ def _add_viewshed(commands: Any) -> None:
     parser.add_argument("--outside", type=float, help="what stands where there is no data is at most this high, m")
     parser.add_argument("--height-unit", help="of the raster's heights; default: what it declares, or metres")
     parser.add_argument(
+        "--mesh", metavar="FILE", action="append", default=[], help="what stands on the raster, in its CRS"
+    )
+    parser.add_argument("--mesh-up", choices=("y", "z"), help="default: y of glTF, else z")
+    parser.add_argument(
+        "--mesh-offset",
+        type=_offset,
+        default=(0.0, 0.0, 0.0),
+        metavar="X,Y,Z",
+        help="is added to the meshes' coordinates",
+    )
+    parser.add_argument(
         "--folder", type=Path, help="the study's, which is kept for verify and export; default: a passing one"
     )
     parser.add_argument("--bits", action="store_true", help="keep each answer as packed bits in the folder")
@@ -137,6 +148,14 @@ def _add_shares(commands: Any) -> None:
     parser.add_argument("--strict", action="store_true", help="fail if an interval is wider than --within")
     parser.add_argument("--quiet", action="store_true", help="no progress, no summary")
     parser.set_defaults(function=_shares)
+
+
+def _offset(text: str) -> tuple[float, float, float]:
+    try:
+        x, y, z = (float(part) for part in text.split(","))
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is not X,Y,Z, such as 691000,5334000,0") from None
+    return x, y, z
 
 
 def _place(text: str) -> tuple[float, float]:
@@ -188,6 +207,9 @@ def _viewshed(options: argparse.Namespace) -> int:
         outputs=tuple(dict.fromkeys((WHAT[what], *(("bits",) if options.bits else ())))),
         tile=options.tile,
         block=options.block,
+        meshes=files_of(options.mesh) if options.mesh else (),
+        mesh_up=options.mesh_up,
+        mesh_offset=options.mesh_offset,
     )
     execution = Execution(
         workers=_workers(options.workers), device=options.device, restart=options.restart, progress=not options.quiet

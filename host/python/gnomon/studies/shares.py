@@ -239,7 +239,9 @@ def _suns_of_place(settings: ShareSettings, model: Model) -> Suns:
     times = pandas.DatetimeIndex([first + step * i + step / 2 for i in range(count)], tz=zone)
     found = pvlib.solarposition.get_solarposition(times, latitude, longitude, method="nrel_numpy")
     azimuth, elevation = (found[name].to_numpy(np.float64) for name in ("azimuth", "elevation"))
-    return _suns_of_steps(settings, model, times, step, azimuth, elevation, {"place": [latitude, longitude], "utc": utc})
+    return _suns_of_steps(
+        settings, model, times, step, azimuth, elevation, {"place": [latitude, longitude], "utc": utc}
+    )
 
 
 def _suns_of_steps(
