@@ -7,7 +7,7 @@ import contextlib
 import os
 import tempfile
 import uuid
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -38,6 +38,14 @@ def write_whole(path: Path, text: str) -> None:
     except BaseException:
         partial.unlink(missing_ok=True)
         raise
+
+
+def require_other(path: Path, inputs: Iterable[str]) -> None:
+    """Raises ValueError if what is to be written is a folder, or a file that is read."""
+    if path.is_dir():
+        raise ValueError(f"output: {path} is a folder: give a file's name")
+    if path.exists() and any(Path(name).exists() and path.samefile(name) for name in inputs):
+        raise ValueError(f"output: {path} is read, and would be overwritten: choose another name")
 
 
 @contextlib.contextmanager

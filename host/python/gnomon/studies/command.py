@@ -15,6 +15,7 @@ from typing import Any
 
 from .. import DeviceNotFoundError, OpenCLError
 from .._earth import EARTH_RADIUS
+from .._files import require_other
 from .._viewshed import REFRACTION
 from . import Execution, StudyStoppedError, open_study, read_toml, run, verify
 from .settings import files_of
@@ -192,6 +193,7 @@ def _refraction(text: str) -> float | None:
 
 def _viewshed(options: argparse.Namespace) -> int:
     observers = observers_of(options.observers, options.height)
+    require_other(options.output, [options.observers])
     what = options.what or ("seen" if len(observers) == 1 else "counts")
     if what != "counts" and len(observers) != 1:
         raise ValueError(f"what: {what!r} is for one observer, and there are {len(observers)}")
@@ -275,8 +277,15 @@ def _verify(options: argparse.Namespace) -> int:
     return 0 if verified.is_good else 1
 
 
+def files_read_by(settings: Any) -> list[str]:
+    single = (getattr(settings, name, None) for name in ("points", "directions", "weather", "weights"))
+    return [*settings.raster, *settings.meshes, *(name for name in single if name)]
+
+
 def _write(options: argparse.Namespace) -> int:
     study = open_study(options.folder)
+    if not options.output.is_dir():  # packed bits are written into a folder
+        require_other(options.output, files_read_by(study.plan.settings))
     (study.export if options.command == "export" else study.picture)(options.output, options.what)
     return 0
 

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _gnomon, surfaces, weather
+from .._files import require_other
 from .polygons import Model, load
 from .suns import Map, stretched
 from .tables import read_suns
@@ -104,10 +105,7 @@ class Shapes(NamedTuple):
 def write_shares(path: Path, settings: ShareSettings, progress: bool = False) -> dict[str, Any]:
     """Computes, writes the table, which appears whole, and returns the record. Raises ValueError and OSError."""
     inputs = [settings.model, *settings.occluders, *filter(None, (settings.directions, settings.epw))]
-    if path.resolve() in [Path(name).resolve() for name in inputs]:
-        raise ValueError(f"output: {path} is read, and would be overwritten: choose another name")
-    if path.is_dir():
-        raise ValueError(f"output: {path} is a folder: give a file's name, such as shares.csv")
+    require_other(path, inputs)
     shapes, model = shapes_of(settings)
     suns = suns_of(settings, model)
     path.parent.mkdir(parents=True, exist_ok=True)
