@@ -43,9 +43,19 @@ def write_whole(path: Path, text: str) -> None:
 def require_other(path: Path, inputs: Iterable[str]) -> None:
     """Raises ValueError if what is to be written is a folder, or a file that is read."""
     if path.is_dir():
-        raise ValueError(f"output: {path} is a folder: give a file's name")
+        raise ValueError(f"cannot write {path}: it is a folder: give a file's name")
     if path.exists() and any(Path(name).exists() and path.samefile(name) for name in inputs):
-        raise ValueError(f"output: {path} is read, and would be overwritten: choose another name")
+        raise ValueError(f"cannot write {path}: it is a file that this run reads")
+
+
+def require_writable(path: Path) -> None:
+    """Makes the folder of a file that is to be written after long work. Raises ValueError if it cannot be."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=path.parent):
+            pass
+    except OSError as error:
+        raise ValueError(f"cannot write {path}: {error.strerror}") from None
 
 
 @contextlib.contextmanager

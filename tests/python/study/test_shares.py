@@ -260,7 +260,11 @@ def test_what_has_no_area_or_is_bent_is_named(suns, tmp_path, capsys):
         (["--directions", "{suns}", "--day", "2026-01-01"], "--day: needs --place"),
         (["--place", "48,16"], "place: needs --day or --year"),
         (["--place", "98,16", "--year", "2026"], "latitude 98 is beyond 90 degrees"),
-        (["--place", "48,16", "--day", "2026-02-30"], "day, year, utc: day is out of range"),
+        (["--place", "48,46", "--day", "2026-02-30"], "day, year, utc: 2026-02-30 at 3 hours ahead is no"),
+        (["--place", "48,46", "--day", "20.3.2026"], "20.3.2026 at 3 hours ahead is no date such as 2026-03-20"),
+        (["--place", "48,46", "--day", "2026-03-20T12:00"], "no date such as"),
+        (["--place", "48,46", "--year", "9999"], "no year from 1 to 9998"),
+        (["--directions", "{suns}", "--north", "nan"], "north: nan is not a number of degrees"),
         (["--place", "48,16", "--day", "2026-02-03", "--utc", "30"], "day, year, utc"),
         (["--place", "48,16", "--day", "2026-02-03", "--step", "7"], "step: 7 minutes do not divide a day"),
         (["--place", "48,16", "--day", "2026-02-03", "--what", "energyplus"], "energyplus needs each step of a year"),
@@ -310,7 +314,8 @@ def test_no_input_is_overwritten(model, suns, tmp_path, capsys):
     assert run(model, tmp_path / "." / "model.hbjson", "--directions", suns) == 1 and model.read_bytes() == kept
     assert run(model, suns, "--directions", suns) == 1 and suns.read_text() == SUNS
     assert run(model, tmp_path, "--directions", suns) == 1
-    assert capsys.readouterr().err.count("choose another name") == 2
+    assert run(model, model / "x.csv", "--directions", suns) == 1
+    assert capsys.readouterr().err.count("it is a file that this run reads") == 2
 
 
 def test_a_killed_write_leaves_the_file_that_was_there(model, suns, tmp_path, monkeypatch):

@@ -86,7 +86,7 @@ def test_no_input_is_overwritten(raster, tmp_path, capsys):
     assert run(raster, table, tmp_path / "x.tif", "--quiet", "--folder", tmp_path / "kept") == 0
     for command in ("export", "picture"):
         assert main([command, str(tmp_path / "kept"), raster]) == 1
-    assert capsys.readouterr().err.count("is read, and would be overwritten: choose another name") == 4
+    assert capsys.readouterr().err.count("it is a file that this run reads") == 4
     assert Path(raster).read_bytes() == kept and table.read_text().startswith("x,y")
 
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 import dataclasses
 import datetime
 import fnmatch
+import math
 import sys
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -14,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _gnomon, surfaces, weather
-from .._files import require_other
+from .._files import require_other, require_writable
 from .polygons import Model, load
 from .suns import Map, stretched
 from .tables import read_suns
@@ -62,6 +63,7 @@ class ShareSettings:
         given = [name for name in ("directions", "epw", "place") if getattr(self, name) is not None]
         need(len(given) == 1, "suns: give --directions, --epw or --place: one of them")
         need(0 < self.within <= 1, f"within: {self.within:g} is not above 0 and at most 1")
+        need(math.isfinite(self.north), f"north: {self.north:g} is not a number of degrees")
         need(self.limit >= 0, f"limit: {self.limit} is negative")
         of_place = [f"--{name}" for name in ("day", "year", "step", "utc") if getattr(self, name) is not None]
         need(self.place is not None or not of_place, f"{', '.join(of_place)}: needs --place")
@@ -108,7 +110,7 @@ def write_shares(path: Path, settings: ShareSettings, progress: bool = False) ->
     require_other(path, inputs)
     shapes, model = shapes_of(settings)
     suns = suns_of(settings, model)
-    path.parent.mkdir(parents=True, exist_ok=True)
+    require_writable(path)
     found = _decided(settings, shapes, suns, progress)
     width = found.high - found.low
     if settings.what == "energyplus":
@@ -227,11 +229,15 @@ def _suns_of_place(settings: ShareSettings, model: Model) -> Suns:
     latitude, longitude = settings.place
     utc = round(longitude / 15) if settings.utc is None else settings.utc
     try:
-        first = datetime.datetime.fromisoformat(settings.day or f"{settings.year:04d}-01-01")
+        day = datetime.date.fromisoformat(settings.day or f"{settings.year:04d}-01-01")
+        first = datetime.datetime.combine(day, datetime.time())
         end = first + datetime.timedelta(days=1) if settings.day else first.replace(year=first.year + 1)
         zone = datetime.timezone(datetime.timedelta(hours=utc))
-    except ValueError as error:
-        raise ValueError(f"day, year, utc: {error}") from None
+    except (ValueError, OverflowError):
+        raise ValueError(
+            f"day, year, utc: {settings.day or settings.year} at {utc:g} hours ahead is no date such as 2026-03-20, or "
+            "no year from 1 to 9998, or no clock less than 24 hours ahead"
+        ) from None
     step = datetime.timedelta(minutes=settings.step or (10 if settings.day else 60))
     count = (end - first) // step
     times = pandas.DatetimeIndex([first + step * i + step / 2 for i in range(count)], tz=zone)
