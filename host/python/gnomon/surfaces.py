@@ -107,7 +107,8 @@ class Cut(NamedTuple):
 
 
 def cut(polygon: Sequence[ArrayLike]) -> Cut:
-    """polygon: rings (n, 3). Needs gnomon[study], whose earcut cuts polygons into triangles."""
+    """A polygon as triangles, and what is wrong with it. polygon: its outer ring (n, 3), then its holes. Needs
+    gnomon[study], whose earcut cuts polygons into triangles."""
     from .studies.cityjson import triangulated
 
     parts = [np.asarray(ring, np.float64).reshape(-1, 3) for ring in polygon]

@@ -243,7 +243,8 @@ def irradiation(
 
 
 def turned(directions: NDArray[np.float64], up: str, north: float) -> NDArray[np.float64]:
-    """Directions of x east, y north, z up in the axes of a scene."""
+    """(M, 3) directions of x east, y north, z up in the axes of a scene whose axis `up`, "y" or "z", points up; its
+    north is -z or y, turned by `north` degrees clockwise as seen from above."""
     turn = math.radians(north)
     x = directions[:, 0] * math.cos(turn) + directions[:, 1] * math.sin(turn)
     y = directions[:, 1] * math.cos(turn) - directions[:, 0] * math.sin(turn)
