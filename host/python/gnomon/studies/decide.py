@@ -30,9 +30,6 @@ from .settings import Settings
 #: The most bytes that a caster's triangle takes: its corners on host and device, its share of the BVH, and the loading.
 BYTES_PER_TRIANGLE = 400
 
-#: Beams take coordinates up to here.
-FARTHEST_OF_BEAMS = 2.0**19
-
 
 class Answer(NamedTuple):
     """lit, undecided: planes of the receivers' answers; no answer is both. undecided is None where no answer is
@@ -59,6 +56,13 @@ def steps_of(values: NDArray[np.float64], exponent: int) -> NDArray[np.float64]:
     steps = np.ldexp(values, -exponent)
     below: NDArray[np.float64] = np.floor(steps)
     return below + (steps - below >= 0.5)
+
+
+def box_of(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(2, 3): the least and the greatest coordinates of points (n, 3); infinite if there are none. By columns, since
+    numpy's minima of many short rows take 20 times as long."""
+    low = [points[:, axis].min(initial=np.inf) for axis in range(3)]
+    return np.array([low, [points[:, axis].max(initial=-np.inf) for axis in range(3)]])
 
 
 def distances(boxes: NDArray[np.float64], box: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -112,7 +116,7 @@ class Decider:
         positions[:, 2] = curvature.lowered(positions[:, 0], positions[:, 1], positions[:, 2])
         lit = self._facing_of(part, towards, curvature)
         is_faced = np.zeros(len(towards), bool)  # suns for which a scene has decided the receivers' sides, too
-        low, high = positions.min(axis=0), positions.max(axis=0)
+        low, high = box_of(positions)
         box = np.array([low[0], low[1], high[0], high[1]])
         directions = towards.astype(np.float64)
         tiles, hit = self.pyramid.tiles_that_can_shadow(box, float(low[2]), directions, curvature, self.pad)
@@ -220,10 +224,10 @@ class Decider:
             faces.append(f + first)
             first += len(v)
         world, corners = np.concatenate(vertices), np.concatenate(faces)
-        low = np.minimum(world.min(axis=0, initial=np.inf), positions.min(axis=0))
-        high = np.maximum(world.max(axis=0, initial=-np.inf), positions.max(axis=0))
-        lattice = _gnomon.WorldLattice.around(np.stack([low, high]), self.exponent)
-        scene = Scene(lattice.snap(world)[0][corners], device=self.device) if len(corners) else None
+        boxes = np.stack([box_of(world), box_of(positions)])
+        box = np.stack([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
+        lattice = _gnomon.WorldLattice.around(box, self.exponent)
+        scene = Scene(np.take(lattice.snap(world)[0], corners, axis=0), device=self.device) if len(corners) else None
         return _CasterScene(part, tiles, lattice, scene, lattice.snap(positions)[0])
 
     def _mesh(self, tile: int, curvature: Curvature) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
@@ -241,7 +245,8 @@ class Decider:
         of it, as by Scene.lit(side=Side.vertices())."""
         if part.normals is not None:
             return scaled(part.normals)
-        low, high = positions.min(axis=0) - self.pad, positions.max(axis=0) + self.pad
+        low, high = box_of(positions)
+        low, high = low - self.pad, high + self.pad
         first_mesh = len(self.casters) - len(self.settings.meshes)
         near = [np.empty((0, 3, 3))]
         for tile in tiles[tiles >= first_mesh].tolist():
@@ -295,11 +300,8 @@ class Decider:
             normals[lifted] = of_rows[lifted]
             world = np.ascontiguousarray(positions[lifted if rows is None else rows[lifted]])
             snapped[lifted] = casters.lattice.lift(world, np.ascontiguousarray(normals[lifted]))
-        farthest = max(np.abs(casters.scene.bounds).max(), np.abs(snapped).max())
-        answer = casters.scene.lit_by(
-            snapped, Lights.directions(-towards[suns]), side=Side.normals(normals), bits=True,
-            settings={"many-lights": "beams" if farthest <= FARTHEST_OF_BEAMS else "auto"},
-        )  # fmt: skip
+        lights = Lights.directions(-towards[suns])
+        answer = casters.scene.lit_by(snapped, lights, side=Side.normals(normals), bits=True)
         _clear_others(lit, answer, suns, rows)
         return rows is None
 
