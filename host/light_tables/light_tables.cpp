@@ -90,6 +90,13 @@ LightsMethod LightTables::automatic_method(TableRun& table, bool can_be_bundled)
     if (const auto found = methods_.find(key)) return *found;
     LightsTraits traits = traits_of(table.run, table.given, can_be_bundled);
     if (traits.is_cpu && wants_bundles(traits)) describe_bundles(traits, table);
+    if (wants_raster(traits)) {
+        find_raster(table);
+        if (table.raster != nullptr) {
+            traits.points_at_vertices = table.at.count;
+            traits.raster_vertices = table.raster->vertex_count();
+        }
+    }
     if (wants_height_field(traits)) {
         try {
             find_field(table);
@@ -113,11 +120,13 @@ void LightTables::decide(TableRun& table, LightsMethod method, bool is_automatic
         if (table.field == nullptr)
             throw_missing(method, "a height field: triangles that lie side by side over a plane");
     }
+    if (method == LightsMethod::sweeps) require_raster(table);
     try {
+        if (method == LightsMethod::sweeps) return run_sweeps(table);
         passes_of(method, table, table.run).run();
     } catch (const OutOfDeviceMemory&) {
-        // Beams take less memory than horizons, so they decide the table.
-        if (method != LightsMethod::horizons || !is_automatic) throw;
+        // Beams take less memory than horizons and sweeps, so they decide the table.
+        if ((method != LightsMethod::horizons && method != LightsMethod::sweeps) || !is_automatic) throw;
         methods_.keep(key_of(table.run), LightsMethod::beams);
         passes_of(LightsMethod::beams, table, table.run).run();
     }
@@ -148,9 +157,25 @@ void LightTables::find_field(TableRun& table) {
     table.field = built.is_field() ? &built : nullptr;
 }
 
+void LightTables::find_raster(TableRun& table) {
+    const cl::StageTimer timer(session_, table.statistics, "raster");
+    const BuiltRaster& built = kept_of(raster_, table.given);
+    if (!built.is_raster()) return;
+    table.raster = &built;
+    table.at = points_on(built, table.run, table.run.sorted);
+}
+
+void LightTables::require_raster(TableRun& table) {
+    if (!table.run.lights.lights().front().is_directional()) throw_missing(LightsMethod::sweeps, "directional lights");
+    if (table.raster == nullptr) find_raster(table);
+    if (table.raster == nullptr)
+        throw_missing(LightsMethod::sweeps, "a raster: a height field whose vertices stand in rows and columns");
+}
+
 void LightTables::release() {
     tree_.reset();
     field_.reset();
+    raster_.reset();
     methods_.clear();
     sorted_points_ = {};
 }
