@@ -33,7 +33,8 @@ bool are_scattered(const LightsTraits& traits) {
 bool serve_sweeps(const LightsTraits& traits) {
     return traits.raster_vertices != 0 &&
            double(traits.points_at_vertices) >= tuning.cpu_share_at_vertices * double(traits.points) &&
-           traits.raster_vertices <= tuning.cpu_vertices_of_point * traits.points;
+           traits.raster_vertices <= traits.points * (are_scattered(traits) ? tuning.cpu_vertices_of_point_scattered
+                                                                            : tuning.cpu_vertices_of_point);
 }
 
 // On a GPU one light at a time was the fastest for the points of some pictures, seldom for other points. Other points
@@ -68,8 +69,8 @@ bool wants_tree(const LightsTraits& traits) {
 }
 
 bool wants_raster(const LightsTraits& traits) {
-    return traits.is_cpu && !traits.is_picture && !traits.are_point_lights && are_worth_measuring(traits) &&
-           pairs_of(traits) >= traits.triangles;
+    return traits.is_cpu && !traits.is_picture && !traits.are_point_lights && are_shared(traits) &&
+           pairs_of(traits) >= std::max(tuning.min_raster_pairs, traits.triangles / tuning.cpu_triangles_per_pair);
 }
 
 // On a GPU horizons are never the fastest for the points of pictures.

@@ -38,11 +38,14 @@ struct LightsTuning {
     /// Fewer scattered lights than this have sectors of one or two lights each: horizons of a terrain took twice the
     /// time of packets for 40 suns (two cores, 130dda7).
     std::size_t cpu_sector_lights = 64;
-    /// Sweeps decide all vertices of a raster, some 4 ns for each and a light; another method decides the points
-    /// alone, 15 ns or more. So they serve where at least this share of the points is at vertices, and a point has no
-    /// more than this number of vertices (two cores, this table's commit).
+    /// Sweeps decide all vertices of a raster, some 7 ns for each and a light; other methods decide the points alone,
+    /// 30 ns where lights are close together, else 100 or more. So they serve where at least this share of the points
+    /// is at vertices, and a point has no more than this number of vertices (two cores, this table's commit).
     double cpu_share_at_vertices = 0.875;
-    std::size_t cpu_vertices_of_point = 8;
+    std::size_t cpu_vertices_of_point = 2, cpu_vertices_of_point_scattered = 8;
+    /// Pairs from which on a raster is searched for: one light and a million vertices take 40 ms by sweeps and 62 by
+    /// packets (two cores, this table's commit).
+    std::size_t min_raster_pairs = std::size_t(1) << 18;
     /// Pairs of each triangle from which on a height field is searched for: that takes as long as to decide some
     /// (H200, ec9c821).
     std::size_t min_field_pairs_per_triangle = 8;

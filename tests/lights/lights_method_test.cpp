@@ -156,14 +156,15 @@ TEST(LightsMethod, ACpuTakesSweepsForTheVerticesOfARaster) {
     EXPECT_TRUE(gnomon::wants_raster(traits));
     EXPECT_FALSE(gnomon::wants_height_field(traits));
     expect_by_rule(traits, Method::sweeps);
-    LightsTraits scattered = traits, beside = traits, sparse = traits;
+    LightsTraits scattered = traits;
     scattered.lights_per_bundle = 1;
+    scattered.raster_vertices = traits.points * lights_tuning.cpu_vertices_of_point_scattered;
     expect_by_rule(scattered, Method::sweeps);
-    --beside.points_at_vertices;
-    ++sparse.raster_vertices;
-    for (const LightsTraits& other : {beside, sparse}) {
-        EXPECT_FALSE(methods_to_measure(other).empty());
-        EXPECT_NE(choose_method(other, {}), Method::sweeps);
+    for (LightsTraits few : {traits, scattered}) {
+        LightsTraits beside = few, sparse = few;
+        --beside.points_at_vertices;
+        ++sparse.raster_vertices;
+        for (const LightsTraits& other : {beside, sparse}) EXPECT_NE(choose_method(other, {}), Method::sweeps);
     }
 }
 
@@ -173,18 +174,20 @@ TEST(LightsMethod, ARasterIsSearchedForWhereItMayServe) {
         change(traits);
         return gnomon::wants_raster(traits);
     };
-    EXPECT_TRUE(wants([](LightsTraits& t) { t.triangles = t.points * t.lights; }));
-    EXPECT_FALSE(wants([](LightsTraits& t) { t.triangles = t.points * t.lights + 1; }));
+    constexpr std::size_t most = lights_tuning.cpu_triangles_per_pair;
+    EXPECT_TRUE(wants([](LightsTraits& t) { t.triangles = most * t.points * t.lights; }));
+    EXPECT_FALSE(wants([](LightsTraits& t) { t.triangles = most * (t.points * t.lights + 1); }));
     EXPECT_FALSE(wants([](LightsTraits& t) { t.is_cpu = false; }));
     EXPECT_FALSE(wants([](LightsTraits& t) { t.is_picture = true; }));
     EXPECT_FALSE(wants([](LightsTraits& t) { t.are_point_lights = true; }));
     EXPECT_FALSE(wants([](LightsTraits& t) { t.can_be_bundled = false; }));
     EXPECT_FALSE(wants([](LightsTraits& t) { t.lights = 1; }));
+    EXPECT_TRUE(wants([](LightsTraits& t) { t.lights = 1, t.keeps_clusters = true; }));
     const auto pairs = [&](std::size_t count) {
         return wants([&](LightsTraits& t) { t.points = count / t.lights, t.triangles = 2; });
     };
-    EXPECT_TRUE(pairs(lights_tuning.min_measured_pairs));
-    EXPECT_FALSE(pairs(lights_tuning.min_measured_pairs - 16));
+    EXPECT_TRUE(pairs(lights_tuning.min_raster_pairs));
+    EXPECT_FALSE(pairs(lights_tuning.min_raster_pairs - 16));
 }
 
 TEST(LightsMethod, ACpuMeasuresWhatMayBeTheFastest) {
