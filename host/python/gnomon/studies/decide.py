@@ -130,7 +130,7 @@ class Decider:
                 is_open = planes.unpacked(np.bitwise_or.reduce(lit, axis=1)[:, None], len(towards))[0]
                 suns, rows = suns[is_open[suns]], np.flatnonzero(np.bitwise_or.reduce(lit, axis=0))
             with self._scene_lock:
-                casters = self._load_scene(part, positions, tiles[group], curvature, unread)
+                casters = self._load_scene(part, positions, self._as_raster(tiles[group], tiles), curvature, unread)
                 is_faced[suns] |= self._shadow(casters, lift_normals, positions, towards, suns, rows, lit)
                 self._kept = casters if len(groups) == 1 and not unread else None
                 del casters
@@ -196,6 +196,21 @@ class Decider:
             groups[-1].append(i)
             count += triangles
         return groups
+
+    def _as_raster(self, group: NDArray[np.int64], tiles: NDArray[np.int64]) -> NDArray[np.int64]:
+        """A group of raster tiles filled up to a rectangle, which is decided faster, by tiles that can shadow no
+        receiver: those that are not in `tiles`. The group itself where a tile is another one, cannot be read, or where
+        the rectangle has more than 1.5 times its triangles, or too many."""
+        columns = self.casters.columns
+        if not len(group) or group.max() >= self.casters.rows * columns:
+            return group
+        row, column = np.divmod(group, columns)
+        rows, in_row = np.arange(row.min(), row.max() + 1), np.arange(column.min(), column.max() + 1)
+        filled = (rows[:, None] * columns + in_row).reshape(-1)
+        more, triangles = np.setdiff1d(filled, group), self.survey.triangles
+        count = int(triangles[filled].sum())
+        is_too_large = count > 1.5 * triangles[group].sum() or count * BYTES_PER_TRIANGLE > self.settings.memory_limit
+        return group if is_too_large or np.isin(more, tiles).any() or self.survey.unread[more].any() else filled
 
     def _load_scene(
         self,
