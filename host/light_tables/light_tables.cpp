@@ -90,18 +90,19 @@ LightsMethod LightTables::automatic_method(TableRun& table, bool can_be_bundled)
     if (const auto found = methods_.find(key)) return *found;
     LightsTraits traits = traits_of(table.run, table.given, can_be_bundled);
     if (traits.is_cpu && wants_bundles(traits)) describe_bundles(traits, table);
-    if (wants_raster(traits)) {
-        find_raster(table);
-        if (table.raster != nullptr) {
-            traits.points_at_vertices = table.at.count;
-            traits.raster_vertices = table.raster->vertex_count();
-        }
-    }
-    if (wants_height_field(traits)) {
+    const auto if_there_is_memory = [](auto&& find) {
         try {
-            find_field(table);
+            find();
         } catch (const OutOfDeviceMemory&) {  // another method decides the table
         }
+    };
+    if (wants_raster(traits)) {
+        if_there_is_memory([&] { find_raster(table); });
+        traits.points_at_vertices = table.at.count;
+        traits.raster_vertices = table.raster != nullptr ? table.raster->vertex_count() : 0;
+    }
+    if (wants_height_field(traits)) {
+        if_there_is_memory([&] { find_field(table); });
         traits.is_height_field = table.field != nullptr;
     }
     if (!traits.is_cpu && wants_bundles(traits)) describe_bundles(traits, table);
@@ -161,8 +162,8 @@ void LightTables::find_raster(TableRun& table) {
     const cl::StageTimer timer(session_, table.statistics, "raster");
     const BuiltRaster& built = kept_of(raster_, table.given);
     if (!built.is_raster()) return;
-    table.raster = &built;
     table.at = points_on(built, table.run, table.run.sorted);
+    table.raster = &built;
 }
 
 void LightTables::require_raster(TableRun& table) {

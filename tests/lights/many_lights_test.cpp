@@ -421,6 +421,24 @@ TEST(ManyLights, SweepsChangeNoBitWhateverTheSideAndTheDevice) {
     }
 }
 
+// Without memory for a raster's copies, or for sweeps, `auto` takes another way.
+TEST(ManyLights, AutoDecidesARastersVerticesInLittleMemory) {
+    const LightScene scene = points_on_terrain(1500, 0);
+    const auto truth = run(device_with(), scene, suns_of_sectors(900), "rays");
+    bool has_failed = false;
+    for (std::uint64_t kib = 100; kib < 1600; kib = kib * 5 / 4) {
+        gnomon::DeviceOptions device_options;
+        device_options.memory_limit_bytes = kib << 10;
+        const gnomon::Device device({}, device_options);
+        try {
+            EXPECT_EQ(run(device, scene, suns_of_sectors(900), "auto").bits, truth.bits);
+        } catch (const gnomon::OutOfDeviceMemory&) {
+            has_failed = true;
+        }
+    }
+    EXPECT_TRUE(has_failed);  // the first limits leave no room for the triangles
+}
+
 TEST(ManyLights, AutoTakesSweepsForTheVerticesOfARaster) {
     const gnomon::Device device = device_with();
     if (!gnomon::session_of(device).is_cpu()) GTEST_SKIP() << "a GPU takes horizons";
