@@ -98,6 +98,7 @@ LightsMethod LightTables::automatic_method(TableRun& table, bool can_be_bundled)
     };
     if (wants_raster(traits)) {
         if_there_is_memory([&] { find_raster(table); });
+        if (table.raster == nullptr) release_raster(table);
         traits.points_at_vertices = table.at.count;
         traits.raster_vertices = table.raster != nullptr ? table.raster->vertex_count() : 0;
     }
@@ -128,6 +129,7 @@ void LightTables::decide(TableRun& table, LightsMethod method, bool is_automatic
     } catch (const OutOfDeviceMemory&) {
         // Beams take less memory than horizons and sweeps, so they decide the table.
         if ((method != LightsMethod::horizons && method != LightsMethod::sweeps) || !is_automatic) throw;
+        release_raster(table);
         methods_.keep(key_of(table.run), LightsMethod::beams);
         passes_of(LightsMethod::beams, table, table.run).run();
     }
@@ -164,6 +166,13 @@ void LightTables::find_raster(TableRun& table) {
     if (!built.is_raster()) return;
     table.at = points_on(built, table.run, table.run.sorted);
     table.raster = &built;
+}
+
+// Frees the memory of a raster by which nothing is decided. That there is none is kept.
+void LightTables::release_raster(TableRun& table) {
+    table.raster = nullptr;
+    table.at = {};
+    if (raster_ && raster_->is_raster()) raster_.reset();
 }
 
 void LightTables::require_raster(TableRun& table) {

@@ -28,6 +28,7 @@ private:
     void find_field(TableRun& table);
     void find_raster(TableRun& table);
     void require_raster(TableRun& table);
+    void release_raster(TableRun& table);
     LightsMethod automatic_method(TableRun& table, bool can_be_bundled);
     void decide(TableRun& table, LightsMethod method, bool is_automatic);
 
