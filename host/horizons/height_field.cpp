@@ -83,7 +83,7 @@ bool BuiltHeightField::set_grid(const CoordinateBounds& box) {
     const double width = box.high[x] - box.low[x], depth = box.high[y] - box.low[y];
     const double cell = std::sqrt(width * depth / std::max(field_.triangles.count / 2, 1u));
     const double columns = std::ceil(width / cell - 1e-3), rows = std::ceil(depth / cell - 1e-3);
-    if (!(std::max(columns, rows) <= MAX_FIELD_HALVES / 2)) return false;
+    if (!(cell >= FIELD_LEAST_CELL && std::max(columns, rows) <= MAX_FIELD_HALVES / 2)) return false;
     const double height = std::max(box.high[z] - box.low[z], 1e-6 * std::max(width, depth));
     field_.corner[0] = float(box.low[x]);
     field_.corner[1] = float(box.low[y]);

@@ -6,18 +6,24 @@ namespace {
 
 const char* kernel_of(BeamShape shape) { return shape == BeamShape::point ? "point_beam_trace" : "beam_trace"; }
 
+LightMasks::Before before_of(const DecidedBefore& before) {
+    if (before.sweeps != nullptr) return LightMasks::Before::sweeps;
+    return before.field != nullptr ? LightMasks::Before::horizons : LightMasks::Before::nothing;
+}
+
 const char* stage_of(BeamShape shape) { return shape == BeamShape::packet ? "ray_packets" : kernel_of(shape); }
 
 }  // namespace
 
 BeamPasses::BeamPasses(const BvhRun& run, const LightBundles& bundles, BeamShape shape, Statistics& statistics,
-                       const BuiltHeightField* field)
+                       const DecidedBefore& before)
     : run_(run),
       session_(session_of(run.device)),
       shape_(shape),
       statistics_(statistics),
-      masks_(run, bundles, statistics, field != nullptr) {
-    if (field != nullptr) horizons_.emplace(run, run.sorted, *field, bundles, statistics);
+      masks_(run, bundles, statistics, before_of(before)),
+      sweeps_(before.sweeps) {
+    if (before.field != nullptr) horizons_.emplace(run, run.sorted, *before.field, bundles, statistics);
     // A part's pairs take some tenths of a second. At the end of each part a GPU waits for its slowest work-groups: in
     // Sponza, parts of 2^26 pairs made 1.7 G pairs/s in place of 4.2.
     const std::size_t pairs = session_.is_cpu() ? std::size_t(1) << 24 : std::size_t(1) << 30;
@@ -25,15 +31,19 @@ BeamPasses::BeamPasses(const BvhRun& run, const LightBundles& bundles, BeamShape
 }
 
 void BeamPasses::run() {
-    const std::size_t count = run_.points.count();
     LightSums sums(run_, masks_.slots(), &run_.sorted);
+    run_into(sums, 0, 0, 1);
+    sums.finish();
+}
+
+void BeamPasses::run_into(LightSums& sums, std::uint32_t first_bundle, double done, double share) {
+    const std::size_t count = run_.points.count();
     for (PointPart part{0, 0}; part.first < count; part.first += part.count) {
         part.count = std::min(masks_.max_points(), count - part.first);
         decide(part);
-        masks_.add_to(sums, part);
-        report_progress(run_.options, double(part.first + part.count) / double(count));
+        masks_.add_to(sums, part, first_bundle);
+        report_progress(run_.options, done + share * double(part.first + part.count) / double(count));
     }
-    sums.finish();
     masks_.describe(statistics_.counts);
 }
 
@@ -55,8 +65,10 @@ void BeamPasses::decide(const PointPart& part) {
     masks_.face(part);
     const PointsLayout points = run_.sorted.part(part.first, part.count);
     if (horizons_) horizons_->decide(points, masks_.for_horizons());
+    if (sweeps_ != nullptr) sweeps_->decide(points, masks_.for_horizons());
     masks_.trace(part, stage_of(shape_), [&] { launch(part); });
     if (horizons_) horizons_->join(points, masks_.for_horizons());
+    if (sweeps_ != nullptr) sweeps_->join(points, masks_.for_horizons());
 }
 
 void BeamPasses::launch(const BeamParams& params, std::size_t tasks, const char* kernel) {

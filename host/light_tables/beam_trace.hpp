@@ -3,6 +3,7 @@
 // facing (light_sides), the trace, the exact predicate and the sums, each part with all bundles of lights.
 #pragma once
 
+#include "horizons/sweeps.hpp"
 #include "light_tables/light_masks.hpp"
 
 namespace gnomon {
@@ -15,14 +16,22 @@ namespace gnomon {
 ///   packet  on a CPU: 64 points x 1 light
 enum class BeamShape { block, point, packet };
 
+/// What decides some pairs before beams do; null: nothing.
+struct DecidedBefore {
+    const BuiltHeightField* field = nullptr;  ///< by its horizons, for make_sector_bundles()
+    Sweeps* sweeps = nullptr;                 ///< of the same bundles
+};
+
 class BeamPasses {
 public:
     /// `bundles`: make_light_bundles() of the run's lights; for packets make_plain_bundles().
-    /// `field`: the horizon of this height field decides first, for make_sector_bundles(); null: there is none.
     BeamPasses(const BvhRun& run, const LightBundles& bundles, BeamShape shape, Statistics& statistics,
-               const BuiltHeightField* field = nullptr);
+               const DecidedBefore& before = {});
 
     void run();
+    /// A run of some of the lights: adds what their bundles have, of which the first has the number `first_bundle`.
+    /// `done`, `share`: of the whole run, what was done before and what this is.
+    void run_into(LightSums& sums, std::uint32_t first_bundle, double done, double share);
     /// Makes the masks of all points, and returns the time that they took.
     double timed_ms();
 
@@ -37,6 +46,7 @@ private:
     Statistics& statistics_;
     LightMasks masks_;
     std::optional<Horizons> horizons_;
+    Sweeps* sweeps_;
 };
 
 }  // namespace gnomon

@@ -14,13 +14,13 @@ std::size_t max_mask_bytes(const cl::Session& session) {
     return session.is_cpu() ? std::size_t(1) << 25 : std::size_t(1) << 28;
 }
 
-LightMasks::LightMasks(const BvhRun& run, const LightBundles& bundles, Statistics& statistics, bool are_sectors)
+LightMasks::LightMasks(const BvhRun& run, const LightBundles& bundles, Statistics& statistics, Before before)
     : run_(run),
       session_(session_of(run.device)),
       statistics_(statistics),
       slots_(bundles.lights),
       bundle_count_(static_cast<cl_uint>(bundles.bundles.size())),
-      are_sectors_(are_sectors),
+      before_(before),
       are_positions_(bundles.are_positions) {
     session_.upload(bundles_, bundles.bundles);
     queue_.reserve(session_, first_queue * sizeof(BeamPairs));
@@ -35,10 +35,8 @@ void LightMasks::reserve(std::size_t points) {
             const std::size_t listed = session_.is_cpu() ? 0 : tasks_of(points);
             counters_.reserve(session_, sizeof(BeamCounters) + listed * sizeof(cl_uint));
             // The masks' buffer is enlarged last, since buffers never shrink.
-            if (are_sectors_) {
-                lit_.reserve(session_, points * bytes_per_point());
-                begins_.reserve(session_, points * bytes_per_point());
-            }
+            if (before_ != Before::nothing) lit_.reserve(session_, points * bytes_per_point());
+            if (before_ == Before::horizons) begins_.reserve(session_, points * bytes_per_point());
             masks_.reserve(session_, points * bytes_per_point());
             max_points_ = points;
             return;
@@ -70,9 +68,9 @@ void LightMasks::face(const PointPart& part) {
                     run_.sorted.receivers(), run_.sorted.normals(), masks_);
 }
 
-void LightMasks::add_to(LightSums& sums, const PointPart& part) {
+void LightMasks::add_to(LightSums& sums, const PointPart& part, std::uint32_t first_bundle) {
     cl::StageTimer timer(session_, statistics_, "light_sums");
-    sums.add(masks_, max_points_, part.first, part.count, 0, bundle_count_);
+    sums.add(masks_, max_points_, part.first, part.count, first_bundle, bundle_count_);
     session_.finish();
 }
 
@@ -85,7 +83,7 @@ BeamParams LightMasks::params_of(const PointPart& part) const {
             .queue_capacity = capacity(),
             .listed_tasks = 0,
             .rounding = factor * run_.largest_coordinate() + 1e-30f,
-            .are_sectors = are_sectors_ ? 1u : 0u,
+            .are_sectors = before_ == Before::horizons ? 1u : 0u,
             .are_packets = 0,
             .padding = 0};
 }
@@ -101,13 +99,15 @@ void LightMasks::decide_queue(const PointPart& part) {
 }
 
 void LightMasks::describe(decltype(Statistics::counts)& counts) const {
-    counts.insert(counts.end(), {{"points", run_.points.count()},
-                                 {"lights", run_.lights.count()},
-                                 {"bundles", bundle_count_},
-                                 {"queued_pairs", queued_},
-                                 {"decided_by_float", by_level_[0]},
-                                 {"decided_by_double", by_level_[1]},
-                                 {"decided_by_integers", by_level_[2]}});
+    const bool is_first = counts.empty();
+    if (is_first) counts = {{"points", run_.points.count()}, {"lights", run_.lights.count()}};
+    const decltype(Statistics::counts) own = {{"bundles", bundle_count_},
+                                              {"queued_pairs", queued_},
+                                              {"decided_by_float", by_level_[0]},
+                                              {"decided_by_double", by_level_[1]},
+                                              {"decided_by_integers", by_level_[2]}};
+    for (std::size_t i = 0; i < own.size(); ++i)
+        is_first ? counts.push_back(own[i]) : void(counts[2 + i].second += own[i].second);
 }
 
 }  // namespace gnomon

@@ -34,8 +34,9 @@ std::size_t max_mask_bytes(const cl::Session& session);
 
 class LightMasks {
 public:
-    /// `are_sectors`: makes room for the results of horizons too (HorizonMasks).
-    LightMasks(const BvhRun& run, const LightBundles& bundles, Statistics& statistics, bool are_sectors);
+    /// What decides some pairs before a trace, and writes HorizonMasks.
+    enum class Before { nothing, sweeps, horizons };
+    LightMasks(const BvhRun& run, const LightBundles& bundles, Statistics& statistics, Before before);
 
     /// Makes room for a part of `points` points, or of fewer if there is no memory for them.
     void reserve(std::size_t points);
@@ -65,13 +66,13 @@ public:
         timer.next("beam_exact");
         if (counted.queued != 0) decide_queue(part);
     }
-    /// Adds the masks of all bundles to the sums.
-    void add_to(LightSums& sums, const PointPart& part);
+    /// Adds the masks of all bundles to the sums, where `first_bundle` is the number of the first one.
+    void add_to(LightSums& sums, const PointPart& part, std::uint32_t first_bundle);
 
     BeamParams params_of(const PointPart& part) const;
     const cl::Buffer& bundles() const { return bundles_; }
     const cl::Buffer& masks() const { return masks_; }
-    /// The buffers that horizons read and write; only where bundles are sectors.
+    /// The buffers that horizons and sweeps read and write; `begins` only where bundles are sectors.
     HorizonMasks for_horizons() const {
         return {masks_, lit_, begins_, bundle_count_, static_cast<cl_uint>(max_points_)};
     }
@@ -80,7 +81,7 @@ public:
     std::span<const std::uint32_t> slots() const { return slots_; }
     cl_uint bundle_count() const { return bundle_count_; }
     bool are_positions() const { return are_positions_; }
-    /// Adds the counts of the run so far.
+    /// Adds the counts of the run so far, to those of other bundles if there are some.
     void describe(decltype(Statistics::counts)& counts) const;
 
 private:
@@ -93,7 +94,8 @@ private:
     Statistics& statistics_;
     std::vector<std::uint32_t> slots_;
     cl_uint bundle_count_;
-    bool are_sectors_, are_positions_;
+    Before before_;
+    bool are_positions_;
     cl::Buffer bundles_, counters_, queue_, masks_, lit_, begins_;
     std::size_t max_points_ = 0;
     std::uint64_t queued_ = 0, by_level_[3] = {};

@@ -90,11 +90,20 @@ LightsMethod LightTables::automatic_method(TableRun& table, bool can_be_bundled)
     if (const auto found = methods_.find(key)) return *found;
     LightsTraits traits = traits_of(table.run, table.given, can_be_bundled);
     if (traits.is_cpu && wants_bundles(traits)) describe_bundles(traits, table);
-    if (wants_height_field(traits)) {
+    const auto if_there_is_memory = [](auto&& find) {
         try {
-            find_field(table);
+            find();
         } catch (const OutOfDeviceMemory&) {  // another method decides the table
         }
+    };
+    if (wants_raster(traits)) {
+        if_there_is_memory([&] { find_raster(table); });
+        if (table.raster == nullptr) release_raster(table);
+        traits.points_at_vertices = table.at.count;
+        traits.raster_vertices = table.raster != nullptr ? table.raster->vertex_count() : 0;
+    }
+    if (wants_height_field(traits)) {
+        if_there_is_memory([&] { find_field(table); });
         traits.is_height_field = table.field != nullptr;
     }
     if (!traits.is_cpu && wants_bundles(traits)) describe_bundles(traits, table);
@@ -113,11 +122,14 @@ void LightTables::decide(TableRun& table, LightsMethod method, bool is_automatic
         if (table.field == nullptr)
             throw_missing(method, "a height field: triangles that lie side by side over a plane");
     }
+    if (method == LightsMethod::sweeps) require_raster(table);
     try {
+        if (method == LightsMethod::sweeps) return run_sweeps(table);
         passes_of(method, table, table.run).run();
     } catch (const OutOfDeviceMemory&) {
-        // Beams take less memory than horizons, so they decide the table.
-        if (method != LightsMethod::horizons || !is_automatic) throw;
+        // Beams take less memory than horizons and sweeps, so they decide the table.
+        if ((method != LightsMethod::horizons && method != LightsMethod::sweeps) || !is_automatic) throw;
+        release_raster(table);
         methods_.keep(key_of(table.run), LightsMethod::beams);
         passes_of(LightsMethod::beams, table, table.run).run();
     }
@@ -148,9 +160,32 @@ void LightTables::find_field(TableRun& table) {
     table.field = built.is_field() ? &built : nullptr;
 }
 
+void LightTables::find_raster(TableRun& table) {
+    const cl::StageTimer timer(session_, table.statistics, "raster");
+    const BuiltRaster& built = kept_of(raster_, table.given);
+    if (!built.is_raster()) return;
+    table.at = points_on(built, table.run, table.run.sorted);
+    table.raster = &built;
+}
+
+// Frees the memory of a raster by which nothing is decided. That there is none is kept.
+void LightTables::release_raster(TableRun& table) {
+    table.raster = nullptr;
+    table.at = {};
+    if (raster_ && raster_->is_raster()) raster_.reset();
+}
+
+void LightTables::require_raster(TableRun& table) {
+    if (!table.run.lights.lights().front().is_directional()) throw_missing(LightsMethod::sweeps, "directional lights");
+    if (table.raster == nullptr) find_raster(table);
+    if (table.raster == nullptr)
+        throw_missing(LightsMethod::sweeps, "a raster: a height field whose vertices stand in rows and columns");
+}
+
 void LightTables::release() {
     tree_.reset();
     field_.reset();
+    raster_.reset();
     methods_.clear();
     sorted_points_ = {};
 }

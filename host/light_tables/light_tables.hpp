@@ -18,7 +18,7 @@ public:
     Statistics run(Technique& one_light, const LightsRun& given, LightsMethod method, std::uint32_t bundle_lights);
     /// Whether run() by `automatic` needs the BVH; else the technique decides this run one light at a time at once.
     static bool wants_tree(const LightsRun& given);
-    /// Frees the BVH, the height field and the memory of the sorted points.
+    /// Frees the BVH, the height field, the raster and the memory of the sorted points.
     void release();
 
 private:
@@ -26,6 +26,9 @@ private:
     template <typename Built>
     const Built& kept_of(std::unique_ptr<Built>& kept, const Triangles& triangles);
     void find_field(TableRun& table);
+    void find_raster(TableRun& table);
+    void require_raster(TableRun& table);
+    void release_raster(TableRun& table);
     LightsMethod automatic_method(TableRun& table, bool can_be_bundled);
     void decide(TableRun& table, LightsMethod method, bool is_automatic);
 
@@ -34,6 +37,7 @@ private:
     std::uint64_t& kept_bytes_;
     std::unique_ptr<WideBvh> tree_;
     std::unique_ptr<BuiltHeightField> field_;
+    std::unique_ptr<BuiltRaster> raster_;
     SortedPoints sorted_points_;  ///< the last run's, whose memory the next run uses
     MethodCache methods_;         ///< valid as long as the BVH is kept
 };

@@ -6,6 +6,9 @@ namespace {
 
 constexpr const LightsTuning& tuning = lights_tuning;
 
+// The answers of all sweeps that are kept at a time.
+constexpr std::size_t max_answer_bytes = std::size_t(1) << 26;
+
 /// A run like `run` over every share-th sequence of neighbouring points. It writes no outputs.
 class SampledRun {
 public:
@@ -95,11 +98,36 @@ BeamPasses passes_of(LightsMethod method, const TableRun& table, const BvhRun& r
         case LightsMethod::rays:
             return {run, bundles.plain(), BeamShape::packet, table.statistics};
         case LightsMethod::horizons:
-            return {run, bundles.sectors(table.field->field().axis), BeamShape::point, table.statistics, table.field};
+            return {run,
+                    bundles.sectors(table.field->field().axis),
+                    BeamShape::point,
+                    table.statistics,
+                    {.field = table.field}};
         default:
             const bool are_points = method == LightsMethod::point_beams;
             return {run, bundles.coned(), are_points ? BeamShape::point : BeamShape::block, table.statistics};
     }
+}
+
+void run_sweeps(const TableRun& table) {
+    const cl::Session& session = session_of(table.run.device);
+    const LightBundles& all = session.is_cpu() ? table.bundles.plain() : table.bundles.coned();
+    const BeamShape shape = session.is_cpu() ? BeamShape::packet : BeamShape::point;
+    LightSums sums(table.run, all.lights, &table.run.sorted);
+    const std::size_t room = max_answer_bytes / Sweeps::bytes_of_light(*table.raster, session);
+    for (std::size_t first = 0, end = 0; first < all.bundles.size(); first = end) {
+        LightBundles group;
+        while (end < all.bundles.size() &&
+               (end == first || group.light_count() + all.bundles[end].light_count <= room)) {
+            const LightBundle& bundle = all.bundles[end];
+            group.add(bundle, std::span(all.lights).subspan(end++ * MAX_BUNDLE_LIGHTS, bundle.light_count));
+        }
+        Sweeps sweeps(table.run, *table.raster, table.at, group, table.statistics);
+        BeamPasses passes(table.run, group, shape, table.statistics, {.sweeps = &sweeps});
+        const auto count = double(all.bundles.size());
+        passes.run_into(sums, static_cast<std::uint32_t>(first), double(first) / count, double(end - first) / count);
+    }
+    sums.finish();
 }
 
 double measured_ms(LightsMethod method, const TableRun& table) {

@@ -15,6 +15,8 @@ struct TableRun {
     Technique& one_light;                     ///< decides single lights
     Statistics& statistics;                   ///< receives the stages
     const BuiltHeightField* field = nullptr;  ///< null: the triangles are no height field, or no field was searched for
+    const BuiltRaster* raster = nullptr;      ///< null: they are no raster, or none was searched for
+    RasterPoints at{};                        ///< with a raster, the vertices of the sorted points
 
     /// The points in the order in which `one_light` takes them; null for the order of the run's points.
     const SortedPoints* order_of_one_light() const { return run.points.camera() ? nullptr : &run.sorted; }
@@ -23,6 +25,9 @@ struct TableRun {
 /// Runs the passes of beams, point_beams, rays (on a CPU) or horizons (with a field) over the table's points, or over a
 /// sample of them.
 BeamPasses passes_of(LightsMethod method, const TableRun& table, const BvhRun& run);
+
+/// Decides the table by sweeps over its raster, as many lights at a time as their answers have room for.
+void run_sweeps(const TableRun& table);
 
 /// The time in ms that beams, rays, horizons (the latter two on a CPU) or one light after the other would take for the
 /// whole run, estimated from a sample; infinite if there is not enough memory.

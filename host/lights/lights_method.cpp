@@ -30,6 +30,13 @@ bool are_scattered(const LightsTraits& traits) {
                                    : traits.lights_per_bundle < tuning.cpu_scattered_lights;
 }
 
+bool serve_sweeps(const LightsTraits& traits) {
+    return traits.raster_vertices != 0 &&
+           double(traits.points_at_vertices) >= tuning.cpu_share_at_vertices * double(traits.points) &&
+           traits.raster_vertices <= traits.points * (are_scattered(traits) ? tuning.cpu_vertices_of_point_scattered
+                                                                            : tuning.cpu_vertices_of_point);
+}
+
 // On a GPU one light at a time was the fastest for the points of some pictures, seldom for other points. Other points
 // are measured only where the next runs can use the choice.
 bool may_take_single_lights(const LightsTraits& traits) {
@@ -41,6 +48,7 @@ bool may_take_single_lights(const LightsTraits& traits) {
 // The method that a rule chooses, or no value where measured costs decide.
 std::optional<LightsMethod> method_by_rule(const LightsTraits& traits) {
     if (!are_shared(traits)) return LightsMethod::one_by_one;
+    if (serve_sweeps(traits)) return LightsMethod::sweeps;
     if (are_scattered(traits) && !traits.is_height_field) return LightsMethod::rays;
     if (!are_worth_measuring(traits)) return LightsMethod::beams;
     if (traits.is_cpu) return {};
@@ -60,8 +68,14 @@ bool wants_tree(const LightsTraits& traits) {
            pairs_of(traits) >= traits.triangles / tuning.cpu_triangles_per_pair;
 }
 
+bool wants_raster(const LightsTraits& traits) {
+    return traits.is_cpu && !traits.is_picture && !traits.are_point_lights && are_shared(traits) &&
+           pairs_of(traits) >= std::max(tuning.min_raster_pairs, traits.triangles / tuning.cpu_triangles_per_pair);
+}
+
 // On a GPU horizons are never the fastest for the points of pictures.
 bool wants_height_field(const LightsTraits& traits) {
+    if (serve_sweeps(traits)) return false;
     if (are_scattered(traits) && traits.lights < tuning.cpu_sector_lights) return false;
     return are_worth_measuring(traits) && !traits.are_point_lights && (traits.is_cpu || !traits.is_picture) &&
            pairs_of(traits) >= tuning.min_field_pairs_per_triangle * traits.triangles;

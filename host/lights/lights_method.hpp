@@ -14,9 +14,9 @@
 namespace gnomon {
 
 /// The methods that decide a table of lights, as the setting many-lights names them. `automatic`: the fastest of them.
-enum class LightsMethod { automatic, one_by_one, beams, point_beams, rays, horizons };
-inline constexpr std::string_view lights_method_names[] = {"auto",        "one-by-one", "beams",
-                                                           "point-beams", "rays",       "horizons"};
+enum class LightsMethod { automatic, one_by_one, beams, point_beams, rays, horizons, sweeps };
+inline constexpr std::string_view lights_method_names[] = {"auto", "one-by-one", "beams", "point-beams",
+                                                           "rays", "horizons",   "sweeps"};
 
 /// The constants by which `automatic` measures and chooses, with the machine and the commit that they were measured by.
 /// docs/many_lights.md has what each method takes. "Two cores" are those of an EPYC.
@@ -38,6 +38,14 @@ struct LightsTuning {
     /// Fewer scattered lights than this have sectors of one or two lights each: horizons of a terrain took twice the
     /// time of packets for 40 suns (two cores, 130dda7).
     std::size_t cpu_sector_lights = 64;
+    /// Sweeps decide all vertices of a raster, some 7 ns for each and a light; other methods decide the points alone,
+    /// 30 ns where lights are close together, else 100 or more. So they serve where at least this share of the points
+    /// is at vertices, and a point has no more than this number of vertices (two cores, this table's commit).
+    double cpu_share_at_vertices = 0.875;
+    std::size_t cpu_vertices_of_point = 2, cpu_vertices_of_point_scattered = 8;
+    /// Pairs from which on a raster is searched for: one light and a million vertices take 40 ms by sweeps and 62 by
+    /// packets (two cores, this table's commit).
+    std::size_t min_raster_pairs = std::size_t(1) << 18;
     /// Pairs of each triangle from which on a height field is searched for: that takes as long as to decide some
     /// (H200, ec9c821).
     std::size_t min_field_pairs_per_triangle = 8;
@@ -87,6 +95,8 @@ struct LightsTraits {
     bool can_be_bundled = true;     ///< the lights are of one kind, and all coordinates are in the filter's range
     bool are_point_lights = false;  ///< else they are directional
     bool is_height_field = false;   ///< set where wants_height_field()
+    /// Set where wants_raster(), if there is one: its vertices, and the points that are at some of them.
+    std::size_t raster_vertices = 0, points_at_vertices = 0;
     /// Set where wants_bundles(): the mean number of lights in a bundle.
     double lights_per_bundle = std::numeric_limits<double>::infinity();
     /// Set where wants_bundles(): half the diagonal of the widest bundle, of directions of length 1, or of
@@ -108,6 +118,8 @@ private:
 
 /// Whether a run by `automatic` makes the BVH. Else it decides one light at a time.
 bool wants_tree(const LightsTraits& traits);
+/// Whether the choice depends on whether the triangles are a raster.
+bool wants_raster(const LightsTraits& traits);
 /// Whether the choice depends on whether the triangles are a height field.
 bool wants_height_field(const LightsTraits& traits);
 /// Whether the choice depends on how wide and full bundles are. On a CPU wants_height_field() depends on that, too.

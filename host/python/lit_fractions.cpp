@@ -37,18 +37,20 @@ Receiver receiver_of(const LatticeTriangle& t, std::uint32_t id) {
     return r;
 }
 
-// The sign of n . l, exactly; 2 if the sizes of l's coordinates lie so far apart that it is not decided.
+// The sign of n . l, exactly. n has 52 bits, a coordinate of l 24 significant ones. A coordinate that is no whole
+// multiple of 2^exponent is below 2^24 of them, so the products that are not in the sum yet are below 2^76 each.
 int side_of(const std::array<Wide, 3>& n, const float* l) {
-    const float largest = std::max({std::abs(l[0]), std::abs(l[1]), std::abs(l[2])});
-    const int exponent = std::ilogb(largest) - 66;  // whole multiples of 2^exponent are below 2^67
-    Wide sum = 0;
-    for (unsigned c = 0; c < 3; ++c) {
-        const double scaled = std::ldexp(double(l[c]), -exponent);
-        if (scaled != std::trunc(scaled)) return 2;
-        // n has 52 bits and a coordinate 24 significant ones above its lowest: 52 + 67 + 2 bits.
-        sum += n[c] * Wide(scaled);
+    constexpr Wide certain = Wide(1) << 78;
+    constexpr int finer = 40;  // 78 + 40 and 24 + 40 + 52 bits are below 127
+    std::array<double, 3> rest{l[0], l[1], l[2]};
+    int exponent = std::ilogb(std::max({std::abs(l[0]), std::abs(l[1]), std::abs(l[2])})) - 66;  // at first below 2^67
+    for (Wide sum = 0;; sum *= Wide(1) << finer, exponent -= finer) {
+        for (unsigned c = 0; c < 3; ++c) {
+            const double scaled = std::ldexp(rest[c], -exponent);
+            if (scaled == std::trunc(scaled)) sum += n[c] * Wide(scaled), rest[c] = 0;
+        }
+        if (rest == std::array<double, 3>{} || sum > certain || sum < -certain) return (sum > 0) - (sum < 0);
     }
-    return (sum > 0) - (sum < 0);
 }
 
 // All triangles as one light sees them, and a grid of lists of those that its squares may meet.
@@ -204,9 +206,7 @@ private:
         for (const Receiver& receiver : receivers_) {
             FaceSums& sums = faces[std::size_t(face_[receiver.triangle])];
             sums.area += receiver.area;
-            const int side = side_of(receiver.normal, towards);
-            if (side == 2) sums.high += receiver.area;
-            if (side == 1) decide_receiver(receiver, space, &sums);
+            if (side_of(receiver.normal, towards) > 0) decide_receiver(receiver, space, &sums);
         }
         for (std::size_t f = 0; f < face_count_; ++f) store(faces[f], light * face_count_ + f);
     }

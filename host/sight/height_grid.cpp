@@ -80,7 +80,7 @@ void HeightGrid::set_box(SightGrid& grid, Spans spans) const {
 }
 
 // Opens the targets.
-SightGrid HeightGrid::begin(const Eye& eye, const Band& band, Spans spans) {
+SightGrid HeightGrid::begin(const Eye& eye, const Band& band, Spans spans, bool sweeps) {
     const int width = (grid_.columns - 1) * SUBCELLS, depth = (grid_.rows - 1) * SUBCELLS;
     require(eye.x >= 0 && eye.x <= width && eye.y >= 0 && eye.y <= depth, "eye: must lie over the grid");
     require(std::abs(eye.height) < MAX_GRID_HEIGHT && eye.target_height >= 0 && eye.target_height < MAX_GRID_HEIGHT,
@@ -96,8 +96,8 @@ SightGrid HeightGrid::begin(const Eye& eye, const Band& band, Spans spans) {
     cl::Session& session = session_of(device_);
     session.upload(spans_, spans);
     answers_.reserve(session, cells_of(band));
-    session.launch(lines_file, "sight_begin", cl::Range::items(cells_of(band) / 16 + 1), grid, cl_uint(has_absent_),
-                   targets_, spans_, answers_);
+    session.launch(lines_file, "sight_begin", cl::Range::items(cells_of(band) / 16 + 1), grid, cl_uint(sweeps),
+                   cl_uint(has_absent_), targets_, spans_, answers_);
     return grid;
 }
 
@@ -164,7 +164,7 @@ void HeightGrid::decide(const SightGrid& grid, bool sweeps, const SightSum& sum,
         }
         if (groups > 0)
             session.launch("sight/sight_sweep.cl", "sight_sweep", cl::Range::shares(std::size_t(groups)), grid,
-                           quadrants, heights_.get(), patch_tops_, answers_);
+                           quadrants, heights_.get(), patch_tops_, spans_, answers_);
     }
     const std::size_t targets = std::size_t(grid.band_last - grid.band_first) * std::size_t(grid.columns);
     session.launch(lines_file, "sight_decide", cl::Range::shares(targets), grid, sum, heights_.get(), patch_tops_,
@@ -182,12 +182,12 @@ HeightGrid::Band HeightGrid::checked(const Band& band, Spans spans, std::size_t 
 std::vector<std::uint8_t> HeightGrid::look(const Eye& eye, const Band& band, Spans spans, bool sweeps) {
     cl::Session& session = session_of(device_);
     const cl::Buffer none(session, sizeof(cl_uint));
-    decide(begin(eye, checked(band, spans, 1), spans), sweeps, {}, none, none);
+    decide(begin(eye, checked(band, spans, 1), spans, sweeps), sweeps, {}, none, none);
     return session.read_values<std::uint8_t>(answers_.get(), cells_of(band));
 }
 
 std::vector<std::int32_t> HeightGrid::least_heights(const Eye& eye, const Band& band, Spans spans) {
-    const SightGrid grid = begin(eye, checked(band, spans, 1), spans);
+    const SightGrid grid = begin(eye, checked(band, spans, 1), spans, false);
     cl::Session& session = session_of(device_);
     const std::size_t cells = cells_of(band);
     const cl::Buffer least(session, cells * sizeof(cl_int));
@@ -207,8 +207,8 @@ HeightGrid::Seen HeightGrid::look_from(std::span<const Eye> eyes, const Band& ba
     Seen seen;
     for (std::size_t i = 0; i < eyes.size(); ++i) {
         if (wants_words && i % 32 == 0) session.reserve_filled(words, 0, cells * sizeof(cl_uint));
-        decide(begin(eyes[i], band, spans.subspan(i * each, each)), true, {cl_uint(i % 32), 1, cl_uint(wants_words)},
-               counts, words);
+        decide(begin(eyes[i], band, spans.subspan(i * each, each), true), true,
+               {cl_uint(i % 32), 1, cl_uint(wants_words)}, counts, words);
         if (wants_words && (i % 32 == 31 || i + 1 == eyes.size())) {
             const auto plane = session.read_values<std::uint32_t>(words.get(), cells);
             seen.words.insert(seen.words.end(), plane.begin(), plane.end());

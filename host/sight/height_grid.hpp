@@ -54,7 +54,7 @@ private:
     void share(std::span<const std::int32_t> heights);
     Band checked(const Band& band, Spans spans, std::size_t eyes) const;
     void set_box(SightGrid& grid, Spans spans) const;
-    SightGrid begin(const Eye& eye, const Band& band, Spans spans);
+    SightGrid begin(const Eye& eye, const Band& band, Spans spans, bool sweeps);
     void decide(const SightGrid& grid, bool sweeps, const SightSum& sum, const cl::Buffer& counts,
                 const cl::Buffer& words);
     static SweepQuadrant quadrant(const SightGrid& grid, bool is_along_y, int direction);

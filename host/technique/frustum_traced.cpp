@@ -40,8 +40,8 @@ const SettingsTable<Settings>& settings_table() {
           "on, off or auto: sort points that come in no order before they are traced (auto: on a CPU)"},
          setting::choice(&S::sort_points, sort_points_names)},
         {{"many-lights", "auto",
-          "auto, one-by-one, beams, point-beams, rays (on a GPU point-beams) or horizons (of height fields): the "
-          "way to decide many lights"},
+          "auto, one-by-one, beams, point-beams, rays (on a GPU point-beams), horizons (of height fields) or sweeps "
+          "(of height fields in rows and columns): the way to decide many lights"},
          setting::choice(&S::many_lights, lights_method_names)},
         {{"bundle-lights", "32", "lights that a beam decides together, 1 to 32"},
          setting::whole(&S::bundle_lights, 1, MAX_BUNDLE_LIGHTS)},

@@ -39,7 +39,7 @@ static TriangleBlock gather_triangles(Triangles triangles, LaneInt ids, LaneInt 
 }
 
 static LaneFloat cone_bound(PointBlock sizes) {
-    return (fabs(sizes.x) + fabs(sizes.y) + fabs(sizes.z)) * (32.0f * 0x1p-24f) + 0x1p-100f;
+    return (fabs(sizes.x) + fabs(sizes.y) + fabs(sizes.z)) * (32.0f * 0x1p-24f) + 0x1p-98f;
 }
 
 static SidedPoints load_sided(const LightSidesParams params, size_t block, __global const float* vertices,

@@ -31,9 +31,10 @@ __kernel void sight_targets(ulong count, __global const int* heights, __global u
     GN_FOR_EACH(i, count) targets[i] = (uchar)(heights[i] == NO_HEIGHT ? SIGHT_HIDDEN : SIGHT_OPEN);
 }
 
-// Opens the targets in columns spans[2 i] to spans[2 i + 1] (exclusive) of row i of the band. Others are hidden. An
-// item takes OPENED cells of a row. has_absent: `targets` says which cells have heights; else all have.
-__kernel void sight_begin(const SightGrid grid, uint has_absent, __global const uchar* targets,
+// Opens the targets in columns spans[2 i] to spans[2 i + 1] (exclusive) of row i of the band; before a sweep, which
+// finds all others, the one under the eye alone. Others are hidden. An item takes OPENED cells of a row. has_absent:
+// `targets` says which cells have heights; else all have.
+__kernel void sight_begin(const SightGrid grid, uint sweeps, uint has_absent, __global const uchar* targets,
                           __global const int* spans, __global uchar* answers) {
     int pieces = (grid.columns + OPENED - 1) / OPENED;
     GN_FOR_EACH(i, (grid.band_last - grid.band_first) * (size_t)pieces) {
@@ -41,6 +42,15 @@ __kernel void sight_begin(const SightGrid grid, uint has_absent, __global const 
         __global const uchar* of_row = targets + (has_absent ? (grid.band_first + row) * (size_t)grid.columns : 0);
         __global uchar* answers_of_row = answers + row * (size_t)grid.columns;
         int first_target = spans[2 * row], end_target = spans[2 * row + 1];
+        if (sweeps) {
+            bool is_under = grid.eye_y == (grid.band_first + row) * SUBCELLS;
+            first_target = is_under ? max(first_target, (grid.eye_x + SUBCELLS - 1) / SUBCELLS) : 0;
+            end_target = is_under ? min(end_target, grid.eye_x / SUBCELLS + 1) : 0;
+        }
+        if (end == first + OPENED && (end <= first_target || first >= end_target)) {
+            vstore16((uchar16)(SIGHT_HIDDEN), 0, answers_of_row + first);
+            continue;
+        }
         if (first >= first_target && end <= end_target && end == first + OPENED) {
             vstore16(has_absent ? vload16(0, of_row + first) : (uchar16)(SIGHT_OPEN), 0, answers_of_row + first);
             continue;

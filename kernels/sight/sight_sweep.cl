@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Decides most cells around an eye by bounds of the ground over wedges of rays (sight_sweep.h): what it writes is
-// certain, and all other cells stay open.
+// Decides most cells around an eye by bounds of the ground over wedges of rays (sight_sweep.h): what it leaves hidden
+// and what it writes is certain, but for the cells that it opens.
 #include "sight/sight_sweep.h"
 
 #include "sight/sight_lines.clh"
@@ -16,7 +16,7 @@
 #define LOW_HEIGHT -0x1p31f
 // Every so many lines the bounds are kept: a target near the edge of what is seen is compared with the bounds of some
 // lines earlier, and exactly with the ground since.
-#define LINES_KEPT 8
+#define LINES_KEPT 4
 #define FAR_LINES_KEPT 64
 
 #define PLACES_OF_CELL (1 << PLACE_BITS)
@@ -141,12 +141,17 @@ GN_INLINE Met meet_line(const SightGrid grid, const SweepQuadrant of, __global c
     return met;
 }
 
+// The column and the row of the cell (a, b) of a quadrant.
+static int2 place_of(const SweepQuadrant of, int a, int b) {
+    int main = of.nearest + of.direction * a, side = of.vertex_of_eye + of.direction * b;
+    return abs(of.line_stride) != 1 ? (int2)(side, main) : (int2)(main, side);
+}
+
 // Decides the target (a, vertex) of a wedge by the ground since a line that was kept.
 static void decide_exactly(const SightGrid grid, __global const int* heights, __global const int* patch_tops,
-                           __global uchar* answers, long cell, int nearest) {
-    SightLine line = sight_line(grid, (int)(cell % grid.columns), (int)(cell / grid.columns), heights[cell]);
-    answers[answer_of(grid, cell)] =
-        (uchar)(is_hidden(grid, heights, patch_tops, nearest, &line) ? SIGHT_HIDDEN : SIGHT_SEEN);
+                           __global uchar* answer, int2 place, int height, int nearest) {
+    SightLine line = sight_line(grid, place.x, place.y, height);
+    *answer = (uchar)(is_hidden(grid, heights, patch_tops, nearest, &line) ? SIGHT_HIDDEN : SIGHT_SEEN);
 }
 
 // A line of sight to vertex b of line a crosses one edge since line a - 1 where b grows along it: the greatest v of
@@ -162,10 +167,11 @@ GN_INLINE LaneFloat top_before(const SightGrid grid, const SweepQuadrant of, __g
     return LANES_SELECT((LaneFloat)-INFINITY, v, LANE_COMPARE(u, >, (LaneFloat)0.0f));
 }
 
-// Decides the open targets of line a of which the answer is certain: a wedge's vertex, which counts where `has_vertex`.
+// Decides or opens the targets of line a that are not certainly hidden: a wedge's vertex, which counts where
+// `has_vertex`.
 GN_INLINE void decide_targets(const SightGrid grid, const SweepQuadrant of, __global const int* heights,
-                              __global const int* patch_tops, __global uchar* answers, int a, LaneInt has_vertex,
-                              const Met* met, const Wedges* wedges) {
+                              __global const int* patch_tops, __global const int* spans, __global uchar* answers, int a,
+                              LaneInt has_vertex, const Met* met, const Wedges* wedges) {
     LaneInt vertex = met->vertex;
     has_vertex &= LANE_COMPARE(vertex, >=, (LaneInt)of.first_target_b);
     has_vertex &= LANE_COMPARE(vertex, <=, (LaneInt)of.last_target_b);
@@ -174,30 +180,32 @@ GN_INLINE void decide_targets(const SightGrid grid, const SweepQuadrant of, __gl
     LaneFloat height = LANES_TO_FLOAT(steps), slack = HEIGHT_SLACK * fabs(height);
     LaneFloat over = 1.0f / ((float)a - (float)of.eye_a / SUBCELLS);
     LaneFloat low = (height - slack) * over, high = (height + slack) * over;
-    uint hidden = lane_bits(has_vertex & LANE_COMPARE(wedges->reached, >=, high));
-    uint near = lane_bits(has_vertex & LANE_COMPARE(low, >, wedges->top_far[0])) & ~hidden, seen = 0u;
+    uint left = lane_bits(has_vertex & LANE_COMPARE(wedges->reached, <, high));
+    if (left == 0u) return;
+    uint near = lane_bits(LANE_COMPARE(low, >, wedges->top_far[0])) & left, seen = 0u;
     uint above_kept[2] = {0u, 0u}, above_far = 0u;
     if (near != 0u) {
         LaneFloat top = LANES_MAX(wedges->top, top_before(grid, of, heights, a, vertex));
-        seen = lane_bits(has_vertex & LANE_COMPARE(low, >, top)) & ~hidden;
+        seen = lane_bits(LANE_COMPARE(low, >, top)) & left;
         near &= ~seen;
         for (int i = 0; i < 2; ++i) above_kept[i] = lane_bits(LANE_COMPARE(low, >, wedges->top_kept[i]));
         above_far = lane_bits(LANE_COMPARE(low, >, wedges->top_far[1]));
     }
-    long line = of.origin + (long)a * of.line_stride;
-    for (uint left = hidden | seen | near; left != 0u;) {
+    while (left != 0u) {
         int lane = take_lane(&left);
-        long cell = line + (long)LANE_OF_INT(vertex, lane) * of.vertex_stride;
-        __global uchar* answer = &answers[answer_of(grid, cell)];
-        if (*answer != SIGHT_OPEN) continue;
+        int2 place = place_of(of, a, LANE_OF_INT(vertex, lane));
+        int row = place.y - grid.band_first;
+        if (place.x < spans[2 * row] || place.x >= spans[2 * row + 1]) continue;  // no target
+        __global uchar* answer = answers + (row * (long)grid.columns + place.x);
         int kept = above_kept[1] >> lane & 1u   ? wedges->lines_kept[1]
                    : above_kept[0] >> lane & 1u ? wedges->lines_kept[0]
                    : above_far >> lane & 1u     ? wedges->lines_far[1]
                                                 : wedges->lines_far[0];
         if (near >> lane & 1u)
-            decide_exactly(grid, heights, patch_tops, answers, cell, of.nearest + of.direction * kept);
+            decide_exactly(grid, heights, patch_tops, answer, place, LANE_OF_INT(met->height, lane),
+                           of.nearest + of.direction * kept);
         else
-            *answer = (uchar)(hidden >> lane & 1u ? SIGHT_HIDDEN : SIGHT_SEEN);
+            *answer = (uchar)(seen >> lane & 1u ? SIGHT_SEEN : SIGHT_OPEN);
     }
 }
 
@@ -215,7 +223,8 @@ GN_INLINE void keep_bounds(int a, Wedges* wedges) {
 
 // Decides the targets of line a, and takes the line into the wedges.
 GN_INLINE void sweep_line(const SightGrid grid, const SweepQuadrant of, __global const int* heights,
-                          __global const int* patch_tops, __global uchar* answers, int a, Wedges* wedges) {
+                          __global const int* patch_tops, __global const int* spans, __global uchar* answers, int a,
+                          Wedges* wedges) {
     Met left = meet_line(grid, of, heights, a, &wedges->left);
 #if GN_LANES == 1
     Met right = meet_line(grid, of, heights, a, &wedges->right);
@@ -225,7 +234,7 @@ GN_INLINE void sweep_line(const SightGrid grid, const SweepQuadrant of, __global
 #endif
     LaneInt has_vertex = LANE_COMPARE(left.vertex, <, right.vertex);
     LaneFloat top = LANES_MAX(wedges->top, LANES_MAX(left.top_between, right.top_between));
-    if (a >= of.first_line) decide_targets(grid, of, heights, patch_tops, answers, a, has_vertex, &left, wedges);
+    if (a >= of.first_line) decide_targets(grid, of, heights, patch_tops, spans, answers, a, has_vertex, &left, wedges);
     LaneFloat over = 1.0f / ((float)a - (float)of.eye_a / SUBCELLS);
     LaneFloat height = from_eye(grid, left.height), slack = HEIGHT_SLACK * fabs(height);
     LaneFloat low = LANES_MIN(left.low, right.low), high = LANES_MAX(left.high, right.high);
@@ -250,43 +259,20 @@ static float top_of_patches(const SightGrid grid, const SweepQuadrant of, __glob
     return top == NO_HEIGHT ? LOW_HEIGHT : (float)((long)top + grid.target_height - grid.eye_height);
 }
 
-// A ray's b, part and turn, one line on.
-static int3 on_next_line(int3 ray) {
-    int part = ray.y + ray.z;
-    return (int3)(ray.x + (part >> PLACE_BITS), part & (PLACES_OF_CELL - 1), ray.z);
-}
-
-// Hides the cells of lines `a` to `last` from one ray to another, which lie on line a - 1.
-static void hide_targets(const SightGrid grid, const SweepQuadrant of, __global uchar* answers, int a, int last,
-                         int3 left, int3 right) {
-    for (; a <= last; ++a) {
-        left = on_next_line(left);
-        right = on_next_line(right);
-        if (a < of.first_line) continue;
-        int b = max(left.x + (int)(left.y != 0), of.first_target_b);
-        int end = min(right.x + (int)(right.y != 0), of.last_target_b + 1);
-        long cell = answer_of(grid, of.origin + (long)a * of.line_stride + (long)b * of.vertex_stride);
-        for (; b < end; ++b, cell += of.vertex_stride) answers[cell] = SIGHT_HIDDEN;
-    }
-}
-
-// If the patches under lines a to `last` lie so low that nearer ground hides all of them, hides their targets, and goes
-// on behind them: no bound changes there.
+// If the patches under lines a to `last` lie so low that nearer ground hides all of them, goes on behind them: no bound
+// changes there.
 GN_INLINE bool skip_lines(const SightGrid grid, const SweepQuadrant of, __global const int* heights,
-                          __global const int* patch_tops, __global uchar* answers, int a, int last, Wedges* wedges) {
+                          __global const int* patch_tops, int a, int last, Wedges* wedges) {
     float eye_a = (float)of.eye_a / SUBCELLS, near = (float)(a - 1) - eye_a, far = (float)last - eye_a;
     if (near <= 0.0f) return false;
     Rays left = wedges->left, right = RIGHT_RAYS(wedges);
-    int3 first = {LANE_OF_INT(left.b, 0), LANE_OF_INT(left.part, 0), LANE_OF_INT(left.u, 0) << FINER_BITS};
-    int3 end = {LANE_OF_INT(right.b, LAST_LANE), LANE_OF_INT(right.part, LAST_LANE),
-                LANE_OF_INT(right.u, LAST_LANE) << FINER_BITS};
+    int first = LANE_OF_INT(left.b, 0), end = LANE_OF_INT(right.b, LAST_LANE);
     advance(last - a + 1, &left);
     advance(last - a + 1, &right);
-    float top = top_of_patches(grid, of, patch_tops, a - 1, last, min(first.x, LANE_OF_INT(left.b, 0)),
-                               max(end.x, LANE_OF_INT(right.b, LAST_LANE)) + 1);
+    float top = top_of_patches(grid, of, patch_tops, a - 1, last, min(first, LANE_OF_INT(left.b, 0)),
+                               max(end, LANE_OF_INT(right.b, LAST_LANE)) + 1);
     float slack = HEIGHT_SLACK * fabs(top), v = (top + slack) / (top > 0.0f ? near : far);
     if (LANES_ANY(LANE_COMPARE(wedges->reached, <, (LaneFloat)v))) return false;
-    hide_targets(grid, of, answers, a, last, first, end);
     read_line(of, heights, last, &left);
     wedges->left = left;
 #if GN_LANES == 1
@@ -299,7 +285,8 @@ GN_INLINE bool skip_lines(const SightGrid grid, const SweepQuadrant of, __global
 
 // Sweeps WEDGES_OF_GROUP wedges from `first` on, from the eye outwards.
 GN_NOINLINE_ON_CPU void sweep_wedges(const SightGrid grid, const SweepQuadrant of, __global const int* heights,
-                                     __global const int* patch_tops, __global uchar* answers, int first) {
+                                     __global const int* patch_tops, __global const int* spans, __global uchar* answers,
+                                     int first) {
     Wedges wedges;
     wedges.top = wedges.reached = (LaneFloat)-INFINITY;
     for (int i = 0; i < 2; ++i) {
@@ -312,23 +299,24 @@ GN_NOINLINE_ON_CPU void sweep_wedges(const SightGrid grid, const SweepQuadrant o
 #endif
     for (int a = 1; a <= of.lines; ++a) {
         int last = min(a + SIGHT_PATCH - 1, of.lines);
-        if (a % SIGHT_PATCH == 1 && skip_lines(grid, of, heights, patch_tops, answers, a, last, &wedges))
+        if (a % SIGHT_PATCH == 1 && skip_lines(grid, of, heights, patch_tops, a, last, &wedges))
             a = last;
         else
-            sweep_line(grid, of, heights, patch_tops, answers, a, &wedges);
+            sweep_line(grid, of, heights, patch_tops, spans, answers, a, &wedges);
         if (LANE_OF_INT(wedges.left.b, 0) > of.last_b || LANE_OF_INT(RIGHT_RAYS(&wedges).b, LAST_LANE) < of.first_b)
             break;  // out of the grid
     }
 }
 
 __kernel void sight_sweep(const SightGrid grid, const SweepQuadrants quadrants, __global const int* heights,
-                          __global const int* patch_tops, __global uchar* answers GN_SHARES) {
+                          __global const int* patch_tops, __global const int* spans,
+                          __global uchar* answers GN_SHARES) {
     GN_FOR_EACH_OF(group, GN_SHARED_RANGE((size_t)quadrants.of[3].end_group)) {
         int i = 0, before = 0;
         while ((int)group >= quadrants.of[i].end_group) before = quadrants.of[i++].end_group;
         // The last group begins so early that it has all its wedges: some are swept twice.
         int first = min(((int)group - before) * WEDGES_OF_GROUP, quadrants.of[i].wedges - WEDGES_OF_GROUP);
-        sweep_wedges(grid, quadrants.of[i], heights, patch_tops, answers, first);
+        sweep_wedges(grid, quadrants.of[i], heights, patch_tops, spans, answers, first);
     }
     GN_END_SHARES;
 }

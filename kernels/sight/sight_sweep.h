@@ -6,7 +6,7 @@
 // a, v = height / a (a, b, height from the eye) an edge of the grid is a straight segment of the (u, v) plane, and a
 // target is hidden if a nearer segment is not below it. A wedge keeps two bounds over all u in it: `top`, which no
 // nearer ground exceeds, and `reached`, which some nearer ground reaches at every u. A target that is neither above the
-// first nor below the second stays open (docs/viewshed.md).
+// first nor below the second is opened (docs/viewshed.md). All others are hidden before the sweep.
 //
 // A ray's u is a whole number of 2^-U_BITS, so its places on lines are whole numbers of 2^-PLACE_BITS: no ray is
 // rounded, and each target lies in a wedge.

@@ -174,6 +174,17 @@ TEST(HeightField, IsNotFoundWhereACellHasVeryManyTriangles) {
     EXPECT_FALSE(field_of(device, wide).is_field());
 }
 
+// Products of distances of smaller cells could underflow.
+TEST(HeightField, IsNotFoundWhereCellsAreTiny) {
+    const gnomon::Device device = device_with();
+    Terrain terrain;
+    terrain.height = [](std::size_t, std::size_t) { return 0.0f; };
+    for (const float spacing : {0x1p-39f, 0x1p-41f}) {
+        terrain.spacing = spacing;
+        EXPECT_EQ(field_of(device, terrain.triangles()).is_field(), spacing > FIELD_LEAST_CELL);
+    }
+}
+
 // On a slope the bounds of an entry of the lowest level, which is two half cells wide, are as far apart as the ground.
 TEST(HeightField, BoundsOfASlopeAreTight) {
     const gnomon::Device device = device_with();

@@ -82,7 +82,7 @@ Decided expect_decisions(const gnomon::Device& device, LightScene scene, const g
     const gnomon::BvhRun through_tree{run, sorted, tree};
     const auto bundles = gnomon::make_sector_bundles(lights.lights(), 32, field.field().axis);
     gnomon::Statistics statistics;
-    gnomon::LightMasks masks(through_tree, *bundles, statistics, true);
+    gnomon::LightMasks masks(through_tree, *bundles, statistics, gnomon::LightMasks::Before::horizons);
     gnomon::Horizons horizons(run, sorted, field, *bundles, statistics);
     masks.reserve(points.count());
     const gnomon::PointPart part{0, points.count()};

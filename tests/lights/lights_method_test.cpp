@@ -149,6 +149,47 @@ TEST(LightsMethod, ACpuSearchesNoFieldForAFewScatteredLights) {
     EXPECT_TRUE(gnomon::wants_height_field(traits));
 }
 
+TEST(LightsMethod, ACpuTakesSweepsForTheVerticesOfARaster) {
+    LightsTraits traits = large_run(true);
+    traits.points_at_vertices = traits.points / 8 * 7;
+    traits.raster_vertices = traits.points * lights_tuning.cpu_vertices_of_point;
+    EXPECT_TRUE(gnomon::wants_raster(traits));
+    EXPECT_FALSE(gnomon::wants_height_field(traits));
+    expect_by_rule(traits, Method::sweeps);
+    LightsTraits scattered = traits;
+    scattered.lights_per_bundle = 1;
+    scattered.raster_vertices = traits.points * lights_tuning.cpu_vertices_of_point_scattered;
+    expect_by_rule(scattered, Method::sweeps);
+    for (LightsTraits few : {traits, scattered}) {
+        LightsTraits beside = few, sparse = few;
+        --beside.points_at_vertices;
+        ++sparse.raster_vertices;
+        for (const LightsTraits& other : {beside, sparse}) EXPECT_NE(choose_method(other, {}), Method::sweeps);
+    }
+}
+
+TEST(LightsMethod, ARasterIsSearchedForWhereItMayServe) {
+    const auto wants = [](auto&& change) {
+        LightsTraits traits = large_run(true);
+        change(traits);
+        return gnomon::wants_raster(traits);
+    };
+    constexpr std::size_t most = lights_tuning.cpu_triangles_per_pair;
+    EXPECT_TRUE(wants([](LightsTraits& t) { t.triangles = most * t.points * t.lights; }));
+    EXPECT_FALSE(wants([](LightsTraits& t) { t.triangles = most * (t.points * t.lights + 1); }));
+    EXPECT_FALSE(wants([](LightsTraits& t) { t.is_cpu = false; }));
+    EXPECT_FALSE(wants([](LightsTraits& t) { t.is_picture = true; }));
+    EXPECT_FALSE(wants([](LightsTraits& t) { t.are_point_lights = true; }));
+    EXPECT_FALSE(wants([](LightsTraits& t) { t.can_be_bundled = false; }));
+    EXPECT_FALSE(wants([](LightsTraits& t) { t.lights = 1; }));
+    EXPECT_TRUE(wants([](LightsTraits& t) { t.lights = 1, t.keeps_clusters = true; }));
+    const auto pairs = [&](std::size_t count) {
+        return wants([&](LightsTraits& t) { t.points = count / t.lights, t.triangles = 2; });
+    };
+    EXPECT_TRUE(pairs(lights_tuning.min_raster_pairs));
+    EXPECT_FALSE(pairs(lights_tuning.min_raster_pairs - 16));
+}
+
 TEST(LightsMethod, ACpuMeasuresWhatMayBeTheFastest) {
     LightsTraits traits = large_run(true);
     EXPECT_EQ(methods_to_measure(traits), (Methods{Method::beams, Method::rays}));
@@ -265,7 +306,7 @@ TEST(LightsMethod, AGpuTakesSingleLightsWithinATenthOfBeams) {
 TEST(LightsMethod, TheChoiceIsMeasuredOrByRule) {
     std::mt19937 random(1);
     const auto flip = [&] { return random() % 2 == 0; };
-    std::size_t measured_runs = 0, chosen[6] = {};
+    std::size_t measured_runs = 0, chosen[std::size(gnomon::lights_method_names)] = {};
     for (int i = 0; i < 20000; ++i) {
         const LightsTraits traits{.is_cpu = flip(),
                                   .points = std::size_t(1) << random() % 26,
@@ -276,6 +317,8 @@ TEST(LightsMethod, TheChoiceIsMeasuredOrByRule) {
                                   .can_be_bundled = random() % 8 != 0,
                                   .are_point_lights = flip(),
                                   .is_height_field = flip(),
+                                  .raster_vertices = random() % 8 == 0 ? std::size_t(1) << random() % 24 : 0,
+                                  .points_at_vertices = std::size_t(1) << random() % 26,
                                   .lights_per_bundle = 1 + double(random() % 32),
                                   .widest_bundle = double(random() % 100) / 1000};
         const Methods measured = methods_to_measure(traits);
@@ -290,7 +333,7 @@ TEST(LightsMethod, TheChoiceIsMeasuredOrByRule) {
             EXPECT_TRUE(std::ranges::find(measured, method) != measured.end());
     }
     EXPECT_GT(measured_runs, 1000u);
-    for (const Method method : {Method::one_by_one, Method::beams, Method::rays, Method::horizons})
+    for (const Method method : {Method::one_by_one, Method::beams, Method::rays, Method::horizons, Method::sweeps})
         EXPECT_GT(chosen[std::size_t(method)], 100u) << std::size_t(method);
     EXPECT_EQ(chosen[std::size_t(Method::automatic)] + chosen[std::size_t(Method::point_beams)], 0u);
 }

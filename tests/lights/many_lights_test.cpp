@@ -336,9 +336,9 @@ TEST(ManyLights, CosinesFollowTheirStatedArithmetic) {
 }
 
 /// Points on a rough terrain with their receivers, and sectors of suns, some below the horizon.
-LightScene points_on_terrain(std::size_t count) {
+LightScene points_on_terrain(std::size_t count, float jitter = 0.1f) {
     LightScene scene{.name = "terrain"};
-    scene.triangles = rough_terrain(21, 0.1f).triangles();
+    scene.triangles = rough_terrain(21, jitter).triangles();
     Random random(5);
     for (std::size_t i = 0; i < count; ++i) {
         const auto t = std::uint32_t(random.below(scene.triangles.size() / 9));
@@ -392,6 +392,73 @@ TEST(ManyLights, AutoTakesHorizonsForTheVerticesOfATerrain) {
     EXPECT_EQ(either.bits, run(device, scene, suns_of_sectors(900), "horizons").bits);
     EXPECT_TRUE(
         std::ranges::any_of(either.statistics.stages, [](const auto& stage) { return stage.name == "horizons"; }));
+}
+
+TEST(ManyLights, SweepsChangeNoBitWhateverTheSideAndTheDevice) {
+    LightScene scene = points_on_terrain(700, 0);
+    for (std::size_t i = 0; i < scene.points.size(); i += 33) scene.points[i] += 0.25f;  // at no vertex
+    const Lights lights = suns_of_sectors(150);
+    for (int kind = 0; kind < 4; ++kind) {
+        gnomon::DeviceOptions device_options;
+        if (kind == 1) device_options.gpu_kernels = true;
+        if (kind == 2) device_options.work_group_size = 3;
+        if (kind == 3) device_options.memory_limit_bytes = 5 << 20;
+        const gnomon::Device device({}, device_options);
+        for (int side = 0; side < 3; ++side) {
+            SCOPED_TRACE("device " + std::to_string(kind) + ", side " + std::to_string(side));
+            gnomon::RunOptions options;
+            scene.eye.reset();
+            if (side == 1) scene.eye = Float3{3, 300, -7};
+            if (side == 2) options.facing = gnomon::Facing::winding();
+            const auto rays = run(device, scene, lights, "rays", options);
+            const auto sweeps = run(device, scene, lights, "sweeps", options, side == 0 ? "32" : "7");
+            EXPECT_EQ(rays.bits, sweeps.bits);
+            EXPECT_EQ(rays.sums, sweeps.sums);
+            EXPECT_EQ(rays.counts, sweeps.counts);
+            EXPECT_TRUE(std::ranges::any_of(sweeps.statistics.stages,
+                                            [](const auto& stage) { return stage.name == "sweeps"; }));
+        }
+    }
+}
+
+// Without memory for a raster's copies, or for sweeps, `auto` takes beams, which take the least.
+TEST(ManyLights, AutoDecidesARastersVerticesInLittleMemory) {
+    const LightScene scene = points_on_terrain(1500, 0);
+    const Lights suns = suns_of_sectors(4400);  // their answers take more memory than making the BVH
+    std::size_t failed = 0, done = 0;
+    for (std::uint64_t kib = 1200; done < 4; kib = kib * 8 / 7) {
+        gnomon::DeviceOptions device_options;
+        device_options.memory_limit_bytes = kib << 10;
+        const gnomon::Device device({}, device_options);
+        std::vector<std::uint32_t> bits;
+        try {
+            bits = run(device, scene, suns, "beams").bits;
+        } catch (const gnomon::OutOfDeviceMemory&) {
+            ++failed;
+            continue;
+        }
+        EXPECT_EQ(run(gnomon::Device({}, device_options), scene, suns, "auto").bits, bits);
+        ++done;
+    }
+    EXPECT_GT(failed, 0u);
+}
+
+TEST(ManyLights, AutoTakesSweepsForTheVerticesOfARaster) {
+    const gnomon::Device device = device_with();
+    if (!gnomon::session_of(device).is_cpu()) GTEST_SKIP() << "a GPU takes horizons";
+    const LightScene scene = points_on_terrain(1500, 0);
+    double done = 0;
+    gnomon::RunOptions options;
+    options.progress = [&](double part) {
+        EXPECT_GT(part, done);
+        done = part;
+        return true;
+    };
+    const auto either = run(device, scene, suns_of_sectors(900), "auto", options);
+    EXPECT_EQ(done, 1);
+    EXPECT_EQ(either.bits, run(device, scene, suns_of_sectors(900), "rays").bits);
+    EXPECT_TRUE(
+        std::ranges::any_of(either.statistics.stages, [](const auto& stage) { return stage.name == "sweeps"; }));
 }
 
 // On a CPU `auto` measures beams and packets.
@@ -517,11 +584,12 @@ TEST(ManyLights, RefusesWhatHasNoMeaning) {
     const gnomon::Light loses_bits = gnomon::Light::directional({0x1p-149f, -0x1p100f, 0});
     const gnomon::Light far_lamp = gnomon::Light::point({1, 0x1p20f, 3});
     constexpr const char *one_kind = "lights that are all directional", *directional = "directional lights",
-                         *in_range = "coordinates up to 2^19", *field = "a height field";
+                         *in_range = "coordinates up to 2^19", *field = "a height field", *raster = "a raster";
     const std::tuple<Lights, const char*, const char*> refused[] = {
         {Lights({sun, lamp}), "beams", one_kind},  {Lights({sun, loses_bits}), "rays", one_kind},
         {Lights({lamp}), "horizons", directional}, {Lights({far_lamp}), "point-beams", in_range},
-        {Lights({sun}), "horizons", field},
+        {Lights({sun}), "horizons", field},        {Lights({lamp}), "sweeps", directional},
+        {Lights({sun}), "sweeps", raster},
     };
     for (const auto& [lights, way, what] : refused) {
         const std::string message = message_of([&] { run(device, scene, lights, way); });

@@ -4,21 +4,25 @@
    bound (filter_is_right), so that a value beyond it has the sign of the real value (sign_is_right).
 
    Numbers are rationals here, so that Coq computes them. *)
-From Coq Require Import Reals QArith Qreals Qabs Lia Lra Psatz.
+From Coq Require Import List Reals QArith Qreals Qabs Lia Lra Psatz.
 From Flocq Require Import Core.
 Require Import Roundings Devices.
 
-(* Roundings.v's numbers, in rationals. *)
+(* Roundings.v's numbers, in rationals: as an operand, input i loses at most f i; it is at
+   most m i, the difference of inputs i and j at most d i j. *)
 Section Rationals.
 Open Scope Q_scope.
-Variables u h m d : Q.
+Variables u h : Q.
+Variable f : nat -> Q.
+Variable m : nat -> Q.
+Variable d : nat -> nat -> Q.
 Fixpoint powerQ (k : nat) : Q := match k with O => 1 | S k => Qred ((1 + u) * powerQ k) end.
 Definition alphaQ k := powerQ k - 1.
 Fixpoint largestQ (e : expr) : Q :=
   match e with
   | Const q => Qabs q
-  | Given _ _ => m
-  | Diff _ _ => d
+  | Given i _ => m i
+  | Diff i j => d i j
   | Times q a => Qred (Qabs q * largestQ a)
   | Neg a | Abs a => largestQ a
   | Add a b | Sub a b => Qred (largestQ a + largestQ b)
@@ -26,20 +30,25 @@ Fixpoint largestQ (e : expr) : Q :=
   | Fma a b c => Qred (largestQ a * largestQ b + largestQ c)
   end.
 Definition of_productQ (a b A B p q : Q) := (1 + a) * A * q + (1 + b) * B * p + p * q.
+Definition gapQ (e : expr) := match e with Given i k => if Nat.leb k 16 then f i else h | _ => h end.
 Fixpoint underflowQ (e : expr) : Q :=
   match e with
   | Const _ | Given _ _ => 0
   | Diff _ _ => Qred ((1 + u) * (2 * h) + h)
-  | Times q a => Qred ((1 + u) * (Qabs q * (underflowQ a + h)) + h)
-  | Neg a | Abs a => Qred (underflowQ a + h)
-  | Add a b | Sub a b => Qred ((1 + u) * (underflowQ a + underflowQ b + 2 * h) + h)
+  | Times q a => Qred ((1 + u) * (Qabs q * (underflowQ a + gapQ a)) + h)
+  | Neg a | Abs a => Qred (underflowQ a + gapQ a)
+  | Add a b | Sub a b => Qred ((1 + u) * (underflowQ a + gapQ a + (underflowQ b + gapQ b)) + h)
   | Mul a b =>
       Qred ((1 + u) * of_productQ (alphaQ (roundings a)) (alphaQ (roundings b)) (largestQ a) (largestQ b)
-                        (underflowQ a + h) (underflowQ b + h) + h)
+                        (underflowQ a + gapQ a) (underflowQ b + gapQ b) + h)
   | Fma a b c =>
       Qred ((1 + u) * (of_productQ (alphaQ (roundings a)) (alphaQ (roundings b)) (largestQ a) (largestQ b)
-                         (underflowQ a + h) (underflowQ b + h) + underflowQ c + h) + h)
+                         (underflowQ a + gapQ a) (underflowQ b + gapQ b) + underflowQ c + gapQ c) + h)
   end.
+
+(* Where one limit serves all inputs, and one all differences. *)
+Definition all (limit : Q) (i : nat) := limit.
+Definition apart (limit : Q) (i j : nat) := limit.
 
 (* The error per size, and the least constant for sizes from `least` on. *)
 Definition rate (value size : expr) := Qred (alphaQ (roundings value) / (1 - alphaQ (roundings size))).
@@ -81,37 +90,56 @@ Proof.
 Qed.
 
 Ltac to_reals :=
-  repeat (rewrite Q2R_red || rewrite Q2R_plus || rewrite Q2R_minus || rewrite Q2R_mult || rewrite Q2R_1 || rewrite Q2R_2 ||
+  repeat (rewrite Q2R_red || rewrite Q2R_plus || rewrite Q2R_minus || rewrite Q2R_mult || rewrite Q2R_1 || rewrite
+    Q2R_2 ||
           rewrite Q2R_0').
 
 Section Reals.
-Variables u h m d : Q.
+Variables u h : Q.
+Variable f : nat -> Q.
+Let F i := Q2R (f i).
+Variable m : nat -> Q.
+Variable d : nat -> nat -> Q.
+Let M i := Q2R (m i).
+Let D i j := Q2R (d i j).
 Lemma power_is k : Q2R (powerQ u k) = (1 + Q2R u) ^ k.
 Proof. induction k; cbn [powerQ pow]; to_reals; [reflexivity | now rewrite IHk]. Qed.
 Lemma alpha_is k : Q2R (alphaQ u k) = alpha (Q2R u) k.
 Proof. unfold alphaQ, alpha. to_reals. now rewrite power_is. Qed.
-Lemma largest_is e : Q2R (largestQ m d e) = largest (Q2R m) (Q2R d) e.
-Proof. induction e; cbn [largestQ largest]; to_reals; rewrite ?Q2R_abs; congruence. Qed.
-Lemma underflow_is e : Q2R (underflowQ u h m d e) = underflow (Q2R u) (Q2R h) (Q2R m) (Q2R d) e.
+Lemma largest_is e : Q2R (largestQ m d e) = largest M D e.
+Proof. induction e; cbn [largestQ largest]; to_reals; rewrite ?Q2R_abs; try reflexivity; congruence. Qed.
+Lemma underflow_is e : Q2R (underflowQ u h f m d e) = underflow (Q2R u) (Q2R h) F M D e.
 Proof.
-  induction e; cbn [underflowQ underflow]; unfold of_productQ, of_product; to_reals; rewrite ?alpha_is, ?largest_is, ?Q2R_abs, ?IHe, ?IHe1, ?IHe2, ?IHe3;
-    reflexivity.
+  assert (G : forall e, Q2R (gapQ h f e) = gap (Q2R h) F e) by
+    (intros []; simpl; try destruct (Nat.leb k 16); reflexivity).
+  induction e; cbn [underflowQ underflow]; unfold of_productQ, of_product; to_reals; rewrite ?alpha_is, ?largest_is,
+    ?Q2R_abs, ?IHe, ?IHe1, ?IHe2, ?IHe3,
+    ?G; reflexivity.
 Qed.
 End Reals.
 
 Section Filter.
-Variables u h m d : Q.
+Variables u h : Q.
+Variable f : nat -> Q.
+Let F i := Q2R (f i).
+Variable m : nat -> Q.
+Variable d : nat -> nat -> Q.
+Let M i := Q2R (m i).
+Let D i j := Q2R (d i j).
 Variables rounds seen : R -> R -> Prop.
 Hypotheses (u0 : 0 <= Q2R u) (h0 : 0 <= Q2R h).
 Hypothesis rounds_near : forall s v, rounds s v -> Rabs (v - s) <= Q2R u * Rabs s + Q2R h.
 Hypothesis seen_near : forall v w, seen v w -> Rabs (w - v) <= Q2R h.
 Variable x : nat -> R.
+Hypothesis flushed_range : forall i, 0 <= F i <= Q2R h.
+Hypothesis flushed_near : forall i k v w, (k <= 16)%nat -> Rabs (v - x i) <= alpha (Q2R u) k * Rabs (x i) -> seen v w
+  -> Rabs (w - v) <= F i.
 Let computed := computes (Q2R u) rounds seen x.
-Let limited := within_limits x (Q2R m) (Q2R d).
+Let limited := within x M D.
 
 Theorem filter_is_right value size least constant v s t b :
   limited value -> limited size -> permanent x value <= permanent x size -> real x size = permanent x size ->
-  is_enough u h m d value size least constant = true ->
+  is_enough u h f m d value size least constant = true ->
   computed value v -> computed size s -> Q2R least <= s -> seen s t -> rounds (Q2R constant * t) b ->
   Rabs (v - real x value) <= b.
 Proof.
@@ -122,11 +150,13 @@ Proof.
   assert (E5' : (alphaQ u (roundings size) < 1)%Q).
   { apply Qnot_le_lt. intro H. apply Qle_bool_iff in H. congruence. }
   assert (E5'' := Qlt_Rlt _ _ E5'). rewrite alpha_is, Q2R_1 in E5''.
-  assert (Nv := computed_is_near (Q2R u) (Q2R h) u0 h0 rounds seen rounds_near seen_near x (Q2R m) (Q2R d) value v Lv Cv).
-  assert (Ns := computed_is_near (Q2R u) (Q2R h) u0 h0 rounds seen rounds_near seen_near x (Q2R m) (Q2R d) size s Ls Cs).
+  assert (Nv := computed_is_near (Q2R u) (Q2R h) u0 h0 rounds seen rounds_near seen_near x F flushed_range
+    flushed_near M D value v Lv Cv).
+  assert (Ns := computed_is_near (Q2R u) (Q2R h) u0 h0 rounds seen rounds_near seen_near x F flushed_range
+    flushed_near M D size s Ls Cs).
   assert (Av := alpha_positive (Q2R u) u0 (roundings value)).
   assert (As := alpha_positive (Q2R u) u0 (roundings size)).
-  assert (U := underflow_positive (Q2R u) (Q2R h) u0 h0 x (Q2R m) (Q2R d) size Ls).
+  assert (U := underflow_positive (Q2R u) (Q2R h) u0 h0 x F flushed_range M D size Ls).
   unfold rate in *. rewrite ?Q2R_red in *.
   assert (nonzero : ~ (1 - alphaQ u (roundings size) == 0)%Q).
   { intro H. assert (H' : (alphaQ u (roundings size) == 1)%Q) by (rewrite <- Qplus_0_r, <- H; ring).
@@ -134,12 +164,12 @@ Proof.
   repeat rewrite Q2R_mult in E6. repeat rewrite Q2R_mult in E7.
   rewrite ?Q2R_plus, ?Q2R_minus, ?Q2R_mult, ?Q2R_1, ?Q2R_red in *.
   rewrite ?Q2R_div, ?Q2R_minus, ?Q2R_1, ?alpha_is in E6, E7 by exact nonzero.
-  rewrite Q2R_plus in E7. rewrite !underflow_is in E7. rewrite Q2R_0' in E1, E2.
+  rewrite Q2R_plus in E7. rewrite !underflow_is in E7. fold F M D in E7. rewrite Q2R_0' in E1, E2.
   rewrite Hs in Ns. assert (HPs : alpha (Q2R u) (roundings value) * permanent x value <=
     alpha (Q2R u) (roundings value) * permanent x size) by (now apply Rmult_le_compat_l).
   set (P := permanent x size) in *. set (a := alpha (Q2R u) (roundings value)) in *.
-  set (g := alpha (Q2R u) (roundings size)) in *. set (Us := underflow _ _ _ _ size) in *.
-  set (Uv := underflow _ _ _ _ value) in *. set (A := a / (1 - g)) in *.
+  set (g := alpha (Q2R u) (roundings size)) in *. set (Us := underflow _ _ _ _ _ size) in *.
+  set (Uv := underflow _ _ _ _ _ value) in *. set (A := a / (1 - g)) in *.
   apply between in Ns.
   assert (HP : a * P <= A * (s + Us)).
   { unfold A. replace (a * P) with (a / (1 - g) * ((1 - g) * P)) by (field; lra).
@@ -156,11 +186,12 @@ Proof.
   lra.
 Qed.
 
-(* Where a kernel adds further terms to the error, or is to err by at most a given rest: the error is at most constant s +
+(* Where a kernel adds further terms to the error, or is to err by at most a given rest: the error is at most constant
+  s +
    rest. *)
 Theorem error_is_below value size constant rest v s :
   limited value -> limited size -> permanent x value <= permanent x size -> real x size = permanent x size ->
-  is_within u h m d value size constant rest = true ->
+  is_within u h f m d value size constant rest = true ->
   computed value v -> computed size s -> 0 <= s -> Rabs (v - real x value) <= Q2R constant * s + Q2R rest.
 Proof.
   intros Lv Ls Hp Hs E Cv Cs Hs0. unfold is_within in E. rewrite !Bool.andb_true_iff, Bool.negb_true_iff in E.
@@ -168,19 +199,21 @@ Proof.
   assert (E5' : (alphaQ u (roundings size) < 1)%Q).
   { apply Qnot_le_lt. intro H. apply Qle_bool_iff in H. congruence. }
   assert (E5'' := Qlt_Rlt _ _ E5'). rewrite alpha_is, Q2R_1 in E5''.
-  assert (Nv := computed_is_near (Q2R u) (Q2R h) u0 h0 rounds seen rounds_near seen_near x (Q2R m) (Q2R d) value v Lv Cv).
-  assert (Ns := computed_is_near (Q2R u) (Q2R h) u0 h0 rounds seen rounds_near seen_near x (Q2R m) (Q2R d) size s Ls Cs).
+  assert (Nv := computed_is_near (Q2R u) (Q2R h) u0 h0 rounds seen rounds_near seen_near x F flushed_range
+    flushed_near M D value v Lv Cv).
+  assert (Ns := computed_is_near (Q2R u) (Q2R h) u0 h0 rounds seen rounds_near seen_near x F flushed_range
+    flushed_near M D size s Ls Cs).
   assert (Av := alpha_positive (Q2R u) u0 (roundings value)).
   unfold rate in *. assert (nonzero : ~ (1 - alphaQ u (roundings size) == 0)%Q).
   { intro H. assert (H' : (alphaQ u (roundings size) == 1)%Q) by (rewrite <- Qplus_0_r, <- H; ring).
     rewrite H' in E5'. now apply Qlt_irrefl in E5'. }
   rewrite Q2R_plus, Q2R_mult in E7. rewrite Q2R_red, Q2R_div, Q2R_minus, Q2R_1, !alpha_is in E6, E7 by exact nonzero.
-  rewrite !underflow_is in E7. rewrite Hs in Ns. apply between in Ns.
+  rewrite !underflow_is in E7. fold F M D in E7. rewrite Hs in Ns. apply between in Ns.
   assert (HPs : alpha (Q2R u) (roundings value) * permanent x value <=
     alpha (Q2R u) (roundings value) * permanent x size) by (now apply Rmult_le_compat_l).
   set (P := permanent x size) in *. set (a := alpha (Q2R u) (roundings value)) in *.
-  set (g := alpha (Q2R u) (roundings size)) in *. set (Us := underflow _ _ _ _ size) in *.
-  set (Uv := underflow _ _ _ _ value) in *. set (A := a / (1 - g)) in *.
+  set (g := alpha (Q2R u) (roundings size)) in *. set (Us := underflow _ _ _ _ _ size) in *.
+  set (Uv := underflow _ _ _ _ _ value) in *. set (A := a / (1 - g)) in *.
   assert (HP : a * P <= A * (s + Us)).
   { unfold A. replace (a * P) with (a / (1 - g) * ((1 - g) * P)) by (field; lra).
     apply Rmult_le_compat_l; [| lra]. unfold Rdiv. apply Rmult_le_pos; auto. left; apply Rinv_0_lt_compat; lra. }
@@ -189,7 +222,7 @@ Qed.
 
 Corollary sign_is_right value size least constant v s t b :
   limited value -> limited size -> permanent x value <= permanent x size -> real x size = permanent x size ->
-  is_enough u h m d value size least constant = true ->
+  is_enough u h f m d value size least constant = true ->
   computed value v -> computed size s -> Q2R least <= s -> seen s t -> rounds (Q2R constant * t) b ->
   b < Rabs v -> (0 < v <-> 0 < real x value) /\ real x value <> 0.
 Proof.
@@ -215,74 +248,119 @@ Definition computes32 := computes u32 rounds32 seen32.
 Definition computes_normal := computes u32 rounds_normal seen64.
 Definition computes64 := computes u64 rounds64 seen64.
 
+(* Which inputs lose something as operands of a device that flushes denormals: all; or not those that are 0 or no
+  denormals. *)
+Definition keeps x (f : nat -> Q) := forall i, f i = h32Q \/ (f i = 0%Q /\ (x i = 0 \/ 2 * h32 <= Rabs (x i))).
+Lemma all_may_lose x : keeps x (all h32Q).
+Proof. intros i. now left. Qed.
+Lemma keeps_range x f : keeps x f -> forall i, 0 <= Q2R (f i) <= h32.
+Proof. intros K i. assert (0 < h32) by apply bpow_gt_0. destruct (K i) as [-> | [-> _]]; rewrite ?h32_is, ?Q2R_0';
+  lra. Qed.
+Lemma keeps_near x f : keeps x f -> forall i k v w, (k <= 16)%nat -> Rabs (v - x i) <= alpha u32 k * Rabs (x i) ->
+  seen32 v w -> Rabs (w - v) <= Q2R (f i).
+Proof.
+  intros K i k v w Hk Hv S. destruct (K i) as [-> | [-> normal]]; [rewrite h32_is; now apply seen32_near |].
+  rewrite Q2R_0'. assert (same : w = v); [| subst; rewrite Rminus_diag_eq, Rabs_R0 by reflexivity; lra].
+  destruct S as [S | [small S]]; [exact S |]. subst w. destruct normal as [zero | normal].
+  - rewrite zero, Rabs_R0, Rmult_0_r in Hv. apply between in Hv. lra.
+  - exfalso. assert (A : alpha u32 k <= / 2).
+    { unfold alpha. replace u32 with (/ 16777216) by (unfold u32; simpl; lra).
+      do 17 (destruct k as [| k]; [simpl pow; lra |]). lia. }
+    assert (G := Rmult_le_compat_r _ _ _ (Rabs_pos (x i)) A). assert (T := Rabs_triang_inv (x i) (x i - v)).
+    replace (x i - (x i - v)) with v in T by ring. rewrite Rabs_minus_sym in Hv. lra.
+Qed.
+
 Section Devices.
 Variable x : nat -> R.
-Variables m d : Q.
-Let limited := within_limits x (Q2R m) (Q2R d).
+Variable f m : nat -> Q.
+Variable d : nat -> nat -> Q.
+Let limited := within x (fun i => Q2R (m i)) (fun i j => Q2R (d i j)).
+Hypothesis kept : keeps x f.
 
 Theorem float_filter value size least constant v s t b :
-  is_enough u32Q h32Q m d value size least constant = true ->
+  is_enough u32Q h32Q f m d value size least constant = true ->
   limited value -> limited size -> permanent x value <= permanent x size -> real x size = permanent x size ->
   computes32 x value v -> computes32 x size s -> Q2R least <= s -> seen32 s t -> rounds32 (Q2R constant * t) b ->
   b < Rabs v -> (0 < v <-> 0 < real x value) /\ real x value <> 0.
 Proof.
-  unfold computes32. rewrite <- u32_is. intros. 
-  eapply (sign_is_right u32Q h32Q m d rounds32 seen32); try eassumption; rewrite ?u32_is, ?h32_is;
-    auto using rounds32_near, seen32_near; unfold u32, h32; apply bpow_ge_0.
+  unfold computes32. rewrite <- u32_is. intros E. intros.
+  eapply (sign_is_right u32Q h32Q f m d rounds32 seen32); try eassumption; rewrite ?u32_is, ?h32_is;
+    auto using rounds32_near, seen32_near; try exact (keeps_range x f kept); try exact (keeps_near x f kept); unfold
+      u32, h32; apply bpow_ge_0.
 Qed.
 
 Theorem float_error value size constant rest v s :
-  is_within u32Q h32Q m d value size constant rest = true ->
+  is_within u32Q h32Q f m d value size constant rest = true ->
   limited value -> limited size -> permanent x value <= permanent x size -> real x size = permanent x size ->
   computes32 x value v -> computes32 x size s -> 0 <= s -> Rabs (v - real x value) <= Q2R constant * s + Q2R rest.
 Proof.
-  unfold computes32. rewrite <- u32_is. intros.
-  eapply (error_is_below u32Q h32Q m d rounds32 seen32); try eassumption; rewrite ?u32_is, ?h32_is;
-    auto using rounds32_near, seen32_near; unfold u32, h32; apply bpow_ge_0.
+  unfold computes32. rewrite <- u32_is. intros E. intros.
+  eapply (error_is_below u32Q h32Q f m d rounds32 seen32); try eassumption; rewrite ?u32_is, ?h32_is;
+    auto using rounds32_near, seen32_near; try exact (keeps_range x f kept); try exact (keeps_near x f kept); unfold
+      u32, h32; apply bpow_ge_0.
 Qed.
+
+End Devices.
+
+Lemma nothing_lost u x e : lost u 0 x (fun _ => 0) e = 0.
+Proof.
+  assert (G : forall e, gap 0 (fun _ => 0) e = 0) by (intros []; simpl; try destruct (Nat.leb k 16); reflexivity).
+  induction e; cbn [lost]; unfold of_product; rewrite ?IHe, ?IHe1, ?IHe2, ?IHe3, ?G; ring.
+Qed.
+Lemma nothing_flushed_range (i : nat) : 0 <= Q2R (all 0 i) <= 0.
+Proof. unfold all. rewrite Q2R_0'. lra. Qed.
+Lemma nothing_flushed_near (i : nat) v w : seen64 v w -> Rabs (w - v) <= Q2R (all 0 i).
+Proof. unfold all. rewrite Q2R_0'. apply seen64_near. Qed.
+
+Section Normal.
+Variable x : nat -> R.
+Variable m : nat -> Q.
+Variable d : nat -> nat -> Q.
+Let limited := within x (fun i => Q2R (m i)) (fun i j => Q2R (d i j)).
 
 (* Where no operand and no result is below 2^-126, unless it is 0. *)
 Theorem float_error_of_normal_numbers value size constant v s :
-  is_within u32Q 0 m d value size constant 0 = true ->
+  is_within u32Q 0 (all 0) m d value size constant 0 = true ->
   limited value -> limited size -> permanent x value <= permanent x size -> real x size = permanent x size ->
   computes_normal x value v -> computes_normal x size s -> 0 <= s -> Rabs (v - real x value) <= Q2R constant * s.
 Proof.
   unfold computes_normal. rewrite <- u32_is. intros. assert (zero := Q2R_0').
   replace (Q2R constant * s) with (Q2R constant * s + Q2R 0) by (rewrite zero; ring).
-  eapply (error_is_below u32Q 0 m d rounds_normal seen64); try eassumption; rewrite ?u32_is, ?zero;
-    auto using rounds_normal_near, seen64_near; try lra; unfold u32; apply bpow_ge_0.
+  eapply (error_is_below u32Q 0 (all 0) m d rounds_normal seen64); try eassumption; rewrite ?u32_is, ?zero;
+    auto using rounds_normal_near, seen64_near, nothing_flushed_range; try (intros; eapply nothing_flushed_near;
+      eassumption); try lra; unfold u32; apply bpow_ge_0.
 Qed.
 
 (* The same without a size: the error of any expression. *)
 Theorem error_of_normal_numbers e v :
   limited e -> computes_normal x e v -> Rabs (v - real x e) <= alpha u32 (roundings e) * permanent x e.
 Proof.
-  intros L C. assert (u0 : 0 <= u32) by apply bpow_ge_0.
-  assert (N := computed_is_near u32 0 u0 (Rle_refl 0) rounds_normal seen64 rounds_normal_near seen64_near x (Q2R m) (Q2R d)
-    e v L C).
-  assert (U : underflow u32 0 (Q2R m) (Q2R d) e = 0).
-  { clear. induction e; cbn [underflow]; unfold of_product; rewrite ?IHe, ?IHe1, ?IHe2, ?IHe3; ring. }
-  lra.
+  intros _ C. assert (N := computed_is_off u32 0 (bpow_ge_0 _ _) (Rle_refl 0) rounds_normal seen64 rounds_normal_near
+    seen64_near x (fun _ => 0) (fun _ => conj (Rle_refl 0) (Rle_refl 0)) (fun _ _ v w _ _ => seen64_near v w) e v C).
+  rewrite nothing_lost in N. lra.
 Qed.
 
 Theorem double_filter value size constant v s b :
-  is_enough u64Q 0 m d value size 0 constant = true ->
+  is_enough u64Q 0 (all 0) m d value size 0 constant = true ->
   limited value -> limited size -> permanent x value <= permanent x size -> real x size = permanent x size ->
   computes64 x value v -> computes64 x size s -> 0 <= s -> rounds64 (Q2R constant * s) b ->
   b < Rabs v -> (0 < v <-> 0 < real x value) /\ real x value <> 0.
 Proof.
   unfold computes64. rewrite <- u64_is. intros. assert (zero := Q2R_0').
-  eapply (sign_is_right u64Q 0 m d rounds64 seen64) with (t := s) (least := 0%Q); try eassumption; rewrite ?u64_is, ?zero;
-    auto using rounds64_near, seen64_near; try lra; try reflexivity. unfold u64; apply bpow_ge_0.
+  eapply (sign_is_right u64Q 0 (all 0) m d rounds64 seen64) with (t := s) (least := 0%Q); try eassumption; rewrite
+    ?u64_is, ?zero;
+    auto using rounds64_near, seen64_near, nothing_flushed_range; try (intros; eapply nothing_flushed_near;
+      eassumption); try lra; try reflexivity. unfold u64; apply bpow_ge_0.
 Qed.
-End Devices.
+End Normal.
 
-(* ---- Where nothing underflows -------------------------------------------------------------------------------------- *)
+(* ---- Where nothing underflows
+  -------------------------------------------------------------------------------------- *)
 
 Definition any : Q := 2 ^ 129.
 Definition computed x e v := computes_normal x e v /\ within_limits x (Q2R any) (Q2R any) e.
 Lemma near x e v : computed x e v -> Rabs (v - real x e) <= alpha u32 (roundings e) * permanent x e.
-Proof. intros [C L]. exact (error_of_normal_numbers x any any e v L C). Qed.
+Proof. intros [C L]. exact (error_of_normal_numbers x (fun _ => any) (fun _ _ => any) e v L C). Qed.
 Lemma alpha_below k : (k <= 16)%nat -> alpha u32 k <= INR k * (1 + / 1048576) * / 16777216.
 Proof.
   intros H. unfold alpha. replace u32 with (/ 16777216) by (unfold u32; simpl; lra).
@@ -293,13 +371,14 @@ Proof. apply alpha_positive. apply bpow_ge_0. Qed.
 
 (* One operation at a time, where the sum of absolute products says too little. *)
 Lemma one_rounding s v : rounds_normal s v -> Rabs (v - s) <= / 16777216 * Rabs s.
-Proof. intros R. apply rounds_normal_near in R. replace u32 with (/ 16777216) in R by (unfold u32; simpl; lra). lra. Qed.
+Proof. intros R. apply rounds_normal_near in R. replace u32 with (/ 16777216) in R by (unfold u32; simpl; lra). lra.
+  Qed.
 Lemma given_is x i v : computed x (Given i 0) v -> v = x i.
 Proof.
   intros [C _]. inversion C as [ | ? ? ? H | | | | | | | | ]; subst. unfold alpha in H. simpl in H.
   replace (1 - 1) with 0 in H by ring. rewrite Rmult_0_l in H. apply between in H. lra.
 Qed.
-Ltac by_step C := destruct C as [C L]; cbn [within_limits] in L; inversion C; subst;
+Ltac by_step C := destruct C as [C L]; unfold within_limits in L; cbn [within] in L; inversion C; subst;
   repeat match goal with H : seen64 _ _ |- _ => unfold seen64 in H; subst end.
 Lemma step_diff x i j v : computed x (Diff i j) v -> Rabs (v - (x i - x j)) <= / 16777216 * Rabs (x i - x j).
 Proof. intros C. by_step C. now apply one_rounding. Qed.
@@ -319,16 +398,311 @@ Proof. intros C. by_step C. do 2 eexists. repeat split; try eassumption; try tau
 Lemma at_most v s b : Rabs (v - s) <= / 16777216 * Rabs s -> Rabs s <= b -> Rabs (v - s) <= / 16777216 * b.
 Proof. intros. eapply Rle_trans; [eassumption |]. apply Rmult_le_compat_l; lra. Qed.
 
+(* ---- Where denormals are kept, or flushed, or both by turns
+  ---------------------------------------------------------- *)
+
+Definition lost32 x := lost u32 h32 x (fun _ => h32).
+Lemma u32_value : u32 = / 16777216.
+Proof. unfold u32; simpl; lra. Qed.
+Lemma h32_positive : 0 < h32.
+Proof. apply bpow_gt_0. Qed.
+Lemma h32_below : h32 <= / 2 ^ 126.
+Proof. unfold h32. simpl. lra. Qed.
+Theorem near32 x e v : computes32 x e v -> Rabs (v - real x e) <= alpha u32 (roundings e) * permanent x e + lost32 x e.
+Proof.
+  intros C. refine (computed_is_off u32 h32 (bpow_ge_0 _ _) (bpow_ge_0 _ _) rounds32 seen32 rounds32_near seen32_near x
+    (fun _ => h32) (fun _ => conj (bpow_ge_0 _ _) (Rle_refl h32)) _ e v C). intros; now apply seen32_near.
+Qed.
+Lemma lost32_positive x e : 0 <= lost32 x e.
+Proof. apply lost_positive; intros; try split; try apply bpow_ge_0. apply Rle_refl. Qed.
+
+(* What underflow takes, as a polynomial of one size L: input i is at most m i, the difference of i and j at most d i
+  j, all
+   of them polynomials of L (a number first, then the factors of L, L^2 and so on). `f`: see keeps. *)
+Section Polynomials.
+Open Scope Q_scope.
+Definition polynomial := list Q.
+Definition number (a : Q) : polynomial := (a :: nil)%list.
+Definition line (a b : Q) : polynomial := (a :: b :: nil)%list.  (* a + b L *)
+Fixpoint plusP (p q : polynomial) : polynomial :=
+  match p, q with
+  | nil, _ => q
+  | _, nil => p
+  | (a :: p)%list, (b :: q)%list => (Qred (a + b) :: plusP p q)%list
+  end.
+Definition scaledP (a : Q) (p : polynomial) : polynomial := List.map (fun b => Qred (a * b)) p.
+Fixpoint timesP (p q : polynomial) : polynomial :=
+  match p with nil => nil | (a :: p)%list => plusP (scaledP a q) (0 :: timesP p q)%list end.
+Fixpoint not_above (p q : polynomial) : bool :=
+  match p, q with
+  | nil, _ => List.forallb (Qle_bool 0) q
+  | (a :: p)%list, (b :: q)%list => Qle_bool a b && not_above p q
+  | (a :: p)%list, nil => Qle_bool a 0 && not_above p nil
+  end.
+Variable f : nat -> Q.
+Variable m : nat -> polynomial.
+Variable d : nat -> nat -> polynomial.
+Fixpoint largestP (e : expr) : polynomial :=
+  match e with
+  | Const q => Qabs q :: nil
+  | Given i _ => m i
+  | Diff i j => d i j
+  | Times q a => scaledP (Qabs q) (largestP a)
+  | Neg a | Abs a => largestP a
+  | Add a b | Sub a b => plusP (largestP a) (largestP b)
+  | Mul a b => timesP (largestP a) (largestP b)
+  | Fma a b c => plusP (timesP (largestP a) (largestP b)) (largestP c)
+  end.
+Let one_more p := plusP (scaledP (1 + u32Q) p) (h32Q :: nil).
+Definition of_productP a b A B p q :=
+  plusP (plusP (scaledP (1 + alphaQ u32Q a) (timesP A q)) (scaledP (1 + alphaQ u32Q b) (timesP B p))) (timesP p q).
+Definition operandP p e : polynomial := plusP p (gapQ h32Q f e :: nil).
+Fixpoint underflowP (e : expr) : polynomial :=
+  match e with
+  | Const _ | Given _ _ => nil
+  | Diff _ _ => one_more (2 * h32Q :: nil)
+  | Times q a => one_more (scaledP (Qabs q) (operandP (underflowP a) a))
+  | Neg a | Abs a => operandP (underflowP a) a
+  | Add a b | Sub a b => one_more (plusP (operandP (underflowP a) a) (operandP (underflowP b) b))
+  | Mul a b =>
+      one_more (of_productP (roundings a) (roundings b) (largestP a) (largestP b) (operandP (underflowP a) a)
+                            (operandP (underflowP b) b))
+  | Fma a b c =>
+      one_more (plusP (of_productP (roundings a) (roundings b) (largestP a) (largestP b) (operandP (underflowP a) a)
+                                  (operandP (underflowP b) b)) (operandP (underflowP c) c))
+  end.
+End Polynomials.
+
+Fixpoint at_size (L : R) (p : polynomial) : R := match p with nil => 0 | (a :: p)%list => Q2R a + L * at_size L p end.
+Section AtSize.
+Variable L : R.
+Local Notation at_size := (at_size L).
+Lemma plusP_is p : forall q, at_size (plusP p q) = at_size p + at_size q.
+Proof. induction p; intros [| b q]; cbn [plusP at_size]; to_reals; rewrite ?IHp; ring. Qed.
+Lemma scaledP_is a p : at_size (scaledP a p) = Q2R a * at_size p.
+Proof. unfold scaledP. induction p; cbn [List.map at_size]; to_reals; rewrite ?IHp; ring. Qed.
+Lemma timesP_is p q : at_size (timesP p q) = at_size p * at_size q.
+Proof. induction p; cbn [timesP at_size]; [ring |]. rewrite plusP_is, scaledP_is. cbn [at_size]. to_reals. rewrite
+  IHp. ring. Qed.
+Lemma not_above_is p : forall q, 0 <= L -> not_above p q = true -> at_size p <= at_size q.
+Proof.
+  intros q L0. revert q.
+  assert (none : forall q, List.forallb (Qle_bool 0) q = true -> 0 <= at_size q).
+  { induction q as [| b q IH]; cbn; [lra |]. rewrite Bool.andb_true_iff. intros [B Hq]. apply Qle_bool_imp_le, Qle_Rle
+    in B.
+    rewrite Q2R_0' in B. assert (P := Rmult_le_pos _ _ L0 (IH Hq)). lra. }
+  induction p as [| a p IH]; intros [| b q]; cbn [not_above at_size].
+  - lra.
+  - apply none.
+  - rewrite Bool.andb_true_iff. intros [A Hp]. apply Qle_bool_imp_le, Qle_Rle in A. rewrite Q2R_0' in A.
+    specialize (IH nil Hp). cbn in IH. assert (P := Rmult_le_compat_l _ _ _ L0 IH). lra.
+  - rewrite Bool.andb_true_iff. intros [A Hp]. apply Qle_bool_imp_le, Qle_Rle in A.
+    assert (P := Rmult_le_compat_l _ _ _ L0 (IH q Hp)). lra.
+Qed.
+
+Variable f : nat -> Q.
+Variable m : nat -> polynomial.
+Variable d : nat -> nat -> polynomial.
+Let M i := at_size (m i).
+Let D i j := at_size (d i j).
+Lemma largestP_is e : at_size (largestP m d e) = largest M D e.
+Proof.
+  induction e; cbn [largestP largest at_size]; rewrite ?plusP_is, ?timesP_is, ?scaledP_is, ?Q2R_abs, ?IHe, ?IHe1,
+    ?IHe2, ?IHe3;
+    try reflexivity. ring.
+Qed.
+Lemma underflowP_is e : at_size (underflowP f m d e) = underflow u32 h32 (fun i => Q2R (f i)) M D e.
+Proof.
+  assert (G : forall e, Q2R (gapQ h32Q f e) = gap h32 (fun i => Q2R (f i)) e).
+  { intros []; cbn [gapQ gap]; try destruct (Nat.leb k 16); try reflexivity; apply h32_is. }
+  assert (W : forall p e, at_size (operandP f p e) = at_size p + gap h32 (fun i => Q2R (f i)) e).
+  { intros p' e'. unfold operandP. rewrite plusP_is. cbn [at_size]. rewrite G. ring. }
+  assert (O : forall a b A B p q, at_size (of_productP a b A B p q) =
+    of_product (alpha u32 a) (alpha u32 b) (at_size A) (at_size B) (at_size p) (at_size q)).
+  { intros. unfold of_productP, of_product. rewrite !plusP_is, !scaledP_is, !timesP_is. to_reals. rewrite !alpha_is,
+    u32_is. ring. }
+  induction e; cbn [underflowP underflow at_size];
+    repeat (rewrite O || rewrite W || rewrite plusP_is || rewrite scaledP_is || rewrite largestP_is); cbn [at_size];
+    to_reals; rewrite ?Q2R_abs, ?u32_is, ?h32_is, ?IHe, ?IHe1, ?IHe2, ?IHe3; ring.
+Qed.
+End AtSize.
+
+Theorem lost_is_at_most x f m d L bound e : keeps x f -> 0 <= L ->
+  within x (fun i => at_size L (m i)) (fun i j => at_size L (d i j)) e -> not_above (underflowP f m d e) bound = true ->
+  lost u32 h32 x (fun i => Q2R (f i)) e <= at_size L bound.
+Proof.
+  intros K L0 W B. eapply Rle_trans; [| exact (not_above_is L _ _ L0 B)]. rewrite underflowP_is.
+  apply lost_below; try apply bpow_ge_0; auto. exact (keeps_range x f K).
+Qed.
+Theorem lost32_is_at_most x m d L bound e : 0 <= L ->
+  within x (fun i => at_size L (m i)) (fun i j => at_size L (d i j)) e -> not_above (underflowP (all h32Q) m d e)
+    bound = true ->
+  lost32 x e <= at_size L bound.
+Proof.
+  intros L0 W B. assert (G := lost_is_at_most x (all h32Q) m d L bound e (all_may_lose x) L0 W B). unfold all in G.
+  unfold lost32. replace (fun _ : nat => h32) with (fun _ : nat => Q2R h32Q); [exact G |].
+  now rewrite h32_is.
+Qed.
+
+(* Closes what near_at_size asks of the inputs, by hypotheses of the form |x| <= a or |x| <= a L. *)
+Ltac within_sizes :=
+  cbn -[Q2R Rabs]; repeat split; rewrite ?Q2R_0', ?Q2R_1; repeat match goal with |- context [Q2R (?a # ?b)] =>
+    replace (Q2R (a # b)) with (IZR a / IZR (Zpos b)) by reflexivity end; try lra.
+Definition tiny : Q := 1 # 1298074214633706907132624082305024.  (* 2^-110 *)
+Lemma tiny_is : Q2R tiny = / 1298074214633706907132624082305024.
+Proof. unfold Q2R, tiny; simpl; lra. Qed.
+Theorem near_at_size x m d L bound e v : 0 <= L -> not_above (underflowP (all h32Q) m d e) bound = true ->
+  within x (fun i => at_size L (m i)) (fun i j => at_size L (d i j)) e -> computes32 x e v ->
+  Rabs (v - real x e) <= alpha u32 (roundings e) * permanent x e + at_size L bound.
+Proof. intros L0 B W C. assert (N := near32 x e v C). assert (U := lost32_is_at_most x m d L bound e L0 W B). lra. Qed.
+
+Theorem near_at_size_keeping x f m d L bound e v : keeps x f -> 0 <= L -> not_above (underflowP f m d e) bound = true ->
+  within x (fun i => at_size L (m i)) (fun i j => at_size L (d i j)) e -> computes32 x e v ->
+  Rabs (v - real x e) <= alpha u32 (roundings e) * permanent x e + at_size L bound.
+Proof.
+  intros K L0 B W C. assert (U := lost_is_at_most x f m d L bound e K L0 W B).
+  assert (N := computed_is_off u32 h32 (bpow_ge_0 _ _) (bpow_ge_0 _ _) rounds32 seen32 rounds32_near seen32_near x
+    (fun i => Q2R (f i)) (keeps_range x f K) (keeps_near x f K) e v C). lra.
+Qed.
+
+(* The same by one number, where no input and no difference exceeds a limit. *)
+Definition limited32 (limit : Q) x e v := computes32 x e v /\ within_limits x (Q2R limit) (Q2R limit) e.
+Definition takes (limit : Q) e := underflowQ u32Q h32Q (all h32Q) (all limit) (apart limit) e.
+Theorem near_limited limit rest x e v : Qle_bool (takes limit e) rest = true -> limited32 limit x e v ->
+  Rabs (v - real x e) <= alpha u32 (roundings e) * permanent x e + Q2R rest.
+Proof.
+  intros E [C W]. apply Qle_bool_imp_le, Qle_Rle in E. unfold takes in E. rewrite underflow_is, u32_is, h32_is in E.
+  assert (N := near32 x e v C). assert (0 <= h32) by apply bpow_ge_0.
+  assert (L : lost32 x e <= underflow u32 h32 (fun _ => h32) (fun _ => Q2R limit) (fun _ _ => Q2R limit) e).
+  { apply lost_below; auto; try apply bpow_ge_0. intros; lra. }
+  replace (fun i : nat => Q2R (all h32Q i)) with (fun _ : nat => h32) in E by (unfold all; now rewrite h32_is).
+  unfold all, apart in E. lra.
+Qed.
+
+Tactic Notation "near_in" constr(limit) constr(rest) constr(e) hyp(C) :=
+  apply (near_limited limit rest _ e _ ltac:(vm_compute; reflexivity)) in C.
+
+(* One operation at a time: what it takes of its operands and its result is below a few h. *)
+Lemma one_rounding32 s v : rounds32 s v -> Rabs (v - s) <= / 16777216 * Rabs s + h32.
+Proof. intros R. apply rounds32_near in R. rewrite u32_value in R. exact R. Qed.
+Lemma given32_is x i v : computes32 x (Given i 0) v -> v = x i.
+Proof.
+  intros C. inversion C as [ | ? ? ? H | | | | | | | | ]; subst. unfold alpha in H. simpl in H.
+  replace (1 - 1) with 0 in H by ring. rewrite Rmult_0_l in H. apply between in H. lra.
+Qed.
+Lemma const32_is x q v : computes32 x (Const q) v -> v = Q2R q.
+Proof. intros C. now inversion C. Qed.
+Lemma after_sum32 p q s t v : seen32 p s -> seen32 q t -> rounds32 (s + t) v ->
+  Rabs (v - (p + q)) <= / 16777216 * Rabs (p + q) + 4 * h32.
+Proof.
+  intros P Q R. apply seen32_near in P, Q. apply one_rounding32 in R. assert (h := h32_positive).
+  assert (T : Rabs (s + t - (p + q)) <= 2 * h32).
+  { replace (s + t - (p + q)) with ((s - p) + (t - q)) by ring. eapply Rle_trans; [apply Rabs_triang | lra]. }
+  assert (T1 := Rabs_triang (s + t - (p + q)) (p + q)). replace (s + t - (p + q) + (p + q)) with (s + t) in T1 by ring.
+  replace (v - (p + q)) with ((v - (s + t)) + (s + t - (p + q))) by ring. eapply Rle_trans; [apply Rabs_triang | lra].
+Qed.
+Lemma after_difference32 p q s t v : seen32 p s -> seen32 q t -> rounds32 (s - t) v ->
+  Rabs (v - (p - q)) <= / 16777216 * Rabs (p - q) + 4 * h32.
+Proof.
+  intros P Q R. apply (after_sum32 p (- q) s (- t)); auto.
+  destruct Q as [-> | [Q ->]]; [left; ring | right; rewrite Rabs_Ropp; split; [exact Q | ring]].
+Qed.
+Lemma after_product32 p q s t v : seen32 p s -> seen32 q t -> rounds32 (s * t) v ->
+  Rabs (v - p * q) <= / 16777216 * Rabs (p * q) + 2 * h32 * (Rabs p + Rabs q + 1).
+Proof.
+  intros P Q R. apply seen32_near in P, Q. apply one_rounding32 in R. assert (h := h32_positive).
+  assert (h1 : h32 <= / 100) by (assert (H := h32_below); simpl in H; lra).
+  assert (T : Rabs (s * t - p * q) <= h32 * (Rabs p + Rabs q + / 100)).
+  { replace (s * t - p * q) with ((s - p) * q + ((t - q) * p + (s - p) * (t - q))) by ring.
+    assert (A := Rmult_le_compat_r _ _ _ (Rabs_pos q) P). assert (B := Rmult_le_compat_r _ _ _ (Rabs_pos p) Q).
+    assert (C := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) P Q). rewrite <- !Rabs_mult in A, B, C.
+    assert (D := Rmult_le_compat_l h32 _ _ ltac:(lra) h1).
+    eapply Rle_trans; [apply Rabs_triang |]. assert (E := Rabs_triang ((t - q) * p) ((s - p) * (t - q))). lra. }
+  assert (T1 := Rabs_triang (s * t - p * q) (p * q)). replace (s * t - p * q + p * q) with (s * t) in T1 by ring.
+  assert (S : 0 <= h32 * (Rabs p + Rabs q)).
+  { apply Rmult_le_pos; [lra |]. apply Rplus_le_le_0_compat; apply Rabs_pos. }
+  replace (v - p * q) with ((v - s * t) + (s * t - p * q)) by ring. eapply Rle_trans; [apply Rabs_triang | lra].
+Qed.
+Lemma step32_diff x i j v : computes32 x (Diff i j) v ->
+  Rabs (v - (x i - x j)) <= / 16777216 * Rabs (x i - x j) + 4 * h32.
+Proof. intros C. inversion C; subst. eapply after_difference32; eassumption. Qed.
+Lemma step32_add x a b v : computes32 x (Add a b) v -> exists p q, computes32 x a p /\ computes32 x b q /\
+  Rabs (v - (p + q)) <= / 16777216 * Rabs (p + q) + 4 * h32.
+Proof. intros C. inversion C; subst. do 2 eexists. repeat split; try eassumption. eapply after_sum32; eassumption. Qed.
+Lemma step32_sub x a b v : computes32 x (Sub a b) v -> exists p q, computes32 x a p /\ computes32 x b q /\
+  Rabs (v - (p - q)) <= / 16777216 * Rabs (p - q) + 4 * h32.
+Proof. intros C. inversion C; subst. do 2 eexists. repeat split; try eassumption. eapply after_difference32;
+  eassumption. Qed.
+Lemma step32_mul x a b v : computes32 x (Mul a b) v -> exists p q, computes32 x a p /\ computes32 x b q /\
+  Rabs (v - p * q) <= / 16777216 * Rabs (p * q) + 2 * h32 * (Rabs p + Rabs q + 1).
+Proof. intros C. inversion C; subst. do 2 eexists. repeat split; try eassumption. eapply after_product32; eassumption.
+  Qed.
+Lemma step32_fma x a b c v : computes32 x (Fma a b c) v -> exists p q r, computes32 x a p /\ computes32 x b q /\
+  computes32 x c r /\ Rabs (v - (p * q + r)) <= / 16777216 * Rabs (p * q + r) + 2 * h32 * (Rabs p + Rabs q + 2).
+Proof.
+  intros C. inversion C as [ | | | | | | | | | ? ? ? p q r s t w ? Cp Cq Cr P Q W R ]; subst. exists p, q, r.
+  repeat split; auto. apply seen32_near in P, Q, W. apply one_rounding32 in R. assert (h := h32_positive).
+  assert (h1 : h32 <= / 100) by (assert (H := h32_below); simpl in H; lra).
+  assert (T : Rabs (s * t + w - (p * q + r)) <= h32 * (Rabs p + Rabs q + 101 / 100)).
+  { replace (s * t + w - (p * q + r)) with ((s - p) * q + (((t - q) * p + (s - p) * (t - q)) + (w - r))) by ring.
+    assert (A := Rmult_le_compat_r _ _ _ (Rabs_pos q) P). assert (B := Rmult_le_compat_r _ _ _ (Rabs_pos p) Q).
+    assert (D := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) P Q). rewrite <- !Rabs_mult in A, B, D.
+    assert (E := Rmult_le_compat_l h32 _ _ ltac:(lra) h1).
+    eapply Rle_trans; [apply Rabs_triang |]. assert (F := Rabs_triang ((t - q) * p + (s - p) * (t - q)) (w - r)).
+    assert (G := Rabs_triang ((t - q) * p) ((s - p) * (t - q))). lra. }
+  assert (T1 := Rabs_triang (s * t + w - (p * q + r)) (p * q + r)).
+  replace (s * t + w - (p * q + r) + (p * q + r)) with (s * t + w) in T1 by ring.
+  assert (S : 0 <= h32 * (Rabs p + Rabs q)).
+  { apply Rmult_le_pos; [lra |]. apply Rplus_le_le_0_compat; apply Rabs_pos. }
+  replace (v - (p * q + r)) with ((v - (s * t + w)) + (s * t + w - (p * q + r))) by ring.
+  eapply Rle_trans; [apply Rabs_triang | lra].
+Qed.
+Lemma step32_neg x a v : computes32 x (Neg a) v -> exists p, computes32 x a p /\ Rabs (v + p) <= h32.
+Proof.
+  intros C. inversion C; subst. eexists; split; [eassumption |].
+  match goal with H : seen32 _ _ |- _ => apply seen32_near in H end. rewrite Rabs_minus_sym in *.
+  match goal with |- Rabs ?y <= _ => replace y with (p - s) by ring end. assumption.
+Qed.
+Lemma step32_times x q a v : computes32 x (Times q a) v -> exists p, computes32 x a p /\
+  Rabs (v - Q2R q * p) <= / 16777216 * Rabs (Q2R q * p) + 2 * h32 * (Rabs (Q2R q) + 1).
+Proof.
+  intros C. inversion C as [ | | | ? ? p s ? Hp Hs R | | | | | | ]; subst. exists p. split; [exact Hp |].
+  apply seen32_near in Hs. apply one_rounding32 in R. assert (h := h32_positive).
+  assert (T : Rabs (Q2R q * s - Q2R q * p) <= Rabs (Q2R q) * h32).
+  { rewrite <- Rmult_minus_distr_l, Rabs_mult. apply Rmult_le_compat_l; auto using Rabs_pos. }
+  assert (T1 := Rabs_triang (Q2R q * s - Q2R q * p) (Q2R q * p)).
+  replace (Q2R q * s - Q2R q * p + Q2R q * p) with (Q2R q * s) in T1 by ring.
+  assert (S : 0 <= Rabs (Q2R q) * h32) by (apply Rmult_le_pos; [apply Rabs_pos | lra]).
+  replace (v - Q2R q * p) with ((v - Q2R q * s) + (Q2R q * s - Q2R q * p)) by ring.
+  eapply Rle_trans; [apply Rabs_triang | lra].
+Qed.
+(* Rounding and flushing keep signs. *)
+Local Instance float_format : Valid_exp (FLT_exp (-149) 24).
+Proof. apply FLT_exp_valid. unfold Prec_gt_0. lia. Qed.
+Lemma rounds32_positive s v : rounds32 s v -> (0 < v -> 0 < s) /\ (0 <= s -> 0 <= v).
+Proof.
+  assert (Z : forall c, 0 = round radix2 (FLT_exp (-149) 24) (Znearest c) 0) by (intros; now rewrite round_0 by apply
+    valid_rnd_N).
+  intros [[c ->] | [_ ->]]; [| split; [lra | intros; lra]]. unfold rounded32. split; intros H.
+  - destruct (Rlt_or_le 0 s) as [P | P]; [exact P |]. exfalso.
+    assert (L := round_le radix2 (FLT_exp (-149) 24) (Znearest c) s 0 P). rewrite <- Z in L. lra.
+  - rewrite (Z c). apply round_le; [apply float_format | apply valid_rnd_N | exact H].
+Qed.
+Lemma seen32_positive v w : seen32 v w -> (0 < w -> 0 < v) /\ (0 <= v -> 0 <= w).
+Proof. intros [-> | [_ ->]]; split; intros; lra. Qed.
+
+(* What is within b of 0 is off by at most u b, and what it was. *)
+Lemma at_most32 v s b l : Rabs (v - s) <= / 16777216 * Rabs s + l -> Rabs s <= b -> Rabs (v - s) <= / 16777216 * b + l.
+Proof. intros. assert (/ 16777216 * Rabs s <= / 16777216 * b) by (apply Rmult_le_compat_l; lra). lra. Qed.
+
 (* The same in double. *)
 Definition any64 : Q := 2 ^ 1025.
 Definition computed64 x e v := computes64 x e v /\ within_limits x (Q2R any64) (Q2R any64) e.
 Lemma near64 x e v : computed64 x e v -> Rabs (v - real x e) <= alpha u64 (roundings e) * permanent x e.
 Proof.
-  intros [C L]. assert (u0 : 0 <= u64) by apply bpow_ge_0. unfold computes64 in C.
-  assert (N := computed_is_near u64 0 u0 (Rle_refl 0) rounds64 seen64 rounds64_near seen64_near x _ _ e v L C).
-  assert (U : underflow u64 0 (Q2R any64) (Q2R any64) e = 0).
-  { clear. induction e; cbn [underflow]; unfold of_product; rewrite ?IHe, ?IHe1, ?IHe2, ?IHe3; ring. }
-  lra.
+  intros [C _]. assert (N := computed_is_off u64 0 (bpow_ge_0 _ _) (Rle_refl 0) rounds64 seen64 rounds64_near
+    seen64_near x (fun _ => 0) (fun _ => conj (Rle_refl 0) (Rle_refl 0)) (fun _ _ v w _ _ => seen64_near v w) e v C).
+  rewrite nothing_lost in N. lra.
 Qed.
 Lemma alpha64_below k : (k <= 16)%nat -> alpha u64 k <= INR k * (1 + / 1048576) * / 9007199254740992.
 Proof.
@@ -348,7 +722,8 @@ Ltac sizes_are_positive :=
   repeat match goal with |- context [Rabs ?y] => lazymatch goal with
     | H : 0 <= Rabs y |- _ => fail | _ => assert (0 <= Rabs y) by apply Rabs_pos end end.
 
-(* Closes `Rabs (v - real x value) <= b` from what computed_is_near says of both (Nv: value, Nb: bound), where the sums of
+(* Closes `Rabs (v - real x value) <= b` from what computed_is_near says of both (Nv: value, Nb: bound), where the
+  sums of
    absolute products are variables. *)
 Ltac by_roundings Nv Nb :=
   cbn -[u32 h32] in Nv, Nb; unfold of_product, alpha, Q2R in *; cbn -[u32 h32] in Nv, Nb;

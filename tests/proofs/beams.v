@@ -2,7 +2,8 @@
 (* beam_intersect.clh: an edge's value for a light, e = det(A - P, B - A, D), against BEAM_BOUND |A - P|_1 |B - A|_1.
 
    Assumed: D has met one rounding (its scaling, or S - P), no coordinate of it exceeds 1, and no difference 2^21. The
-   kernel multiplies the bound's factors with at most 5 roundings (BEAM_BOUND, the largest edge, reach, the sum): the last
+   kernel multiplies the bound's factors with at most 5 roundings (BEAM_BOUND, the largest edge, reach, the sum): the
+     last
    lemma. Overflow: nothing exceeds 2^50. Point lights: light_boxes.v. *)
 From Coq Require Import Reals QArith Lra Psatz.
 Require Import Roundings Devices Filters.
@@ -44,7 +45,8 @@ Theorem error v s :
   computes32 x value v -> computes32 x size s -> 0 <= s ->
   Rabs (v - real x value) <= Q2R constant * s + Q2R (1 # 2 ^ 64).
 Proof.
-  intros. eapply float_error with (size := size); try eassumption.
+  intros. eapply float_error with (size := size) (f := all h32Q) (m := all 1) (d := apart (2 ^ 21)); try eassumption;
+    try exact (all_may_lose x).
   - vm_compute. reflexivity.
   - cbv [value size permanent].
     set (a := Rabs (x A_x - x P_x)). set (b := Rabs (x A_y - x P_y)). set (c := Rabs (x A_z - x P_z)).
@@ -55,7 +57,8 @@ Proof.
       assert (G := Rmult_le_compat_l _ _ _ Hpq Hy). lra. }
     assert (times_2 : forall p q s t y, 0 <= p -> 0 <= q -> 0 <= s -> 0 <= t -> Rabs y <= 1 ->
       (p * q + s * t) * Rabs y <= p * q + s * t).
-    { intros p q s' t y Hp Hq Hs Ht Hy. assert (G1 := times p q y Hp Hq Hy). assert (G2 := times s' t y Hs Ht Hy). lra. }
+    { intros p q s' t y Hp Hq Hs Ht Hy. assert (G1 := times p q y Hp Hq Hy). assert (G2 := times s' t y Hs Ht Hy).
+      lra. }
     assert (G1 := times_2 b f c e (x D_x) ltac:(lra) ltac:(lra) ltac:(lra) ltac:(lra) small_x).
     assert (G2 := times_2 c d a f (x D_y) ltac:(lra) ltac:(lra) ltac:(lra) ltac:(lra) small_y).
     assert (G3 := times_2 a e b d (x D_z) ltac:(lra) ltac:(lra) ltac:(lra) ltac:(lra) small_z).

@@ -1,10 +1,10 @@
 (* SPDX-License-Identifier: MIT *)
-(* beam_intersect.clh: the least value of an edge for the directional lights of a cone, c - r of docs/numerics.md, 16, against
-   CONE_BOUNDS times the bound of one light. (The greatest has the same terms.)
+(* beam_intersect.clh: the least value of an edge for the directional lights of a cone, c - r of docs/numerics.md,
+   16, against CONE_BOUNDS times the bound of one light. (The greatest has the same terms.)
 
-   Assumed: no coordinate of the cone's vectors exceeds 1; no result is below 2^-126 unless it is 0 (BEAM_UNDERFLOW covers
-   underflow: prose). The kernel multiplies the bound's factors with at most 6 roundings. A box of point
-   lights: light_boxes.v. Overflow: nothing exceeds 2^50. *)
+   Assumed: no coordinate of the cone's vectors exceeds 1, and no difference 2^21. Denormals may be kept or flushed:
+   what that takes is below 2^-64, of CONE_BOUNDS times BEAM_UNDERFLOW. The kernel multiplies the bound's factors
+   with at most 6 roundings. A box of point lights: light_boxes.v. Overflow: nothing exceeds 2^50. *)
 From Coq Require Import Reals QArith Lra Psatz.
 Require Import Roundings Devices Filters.
 
@@ -83,11 +83,13 @@ Proof.
 Qed.
 
 Theorem error v s :
-  within_limits x (Q2R any) (Q2R any) value -> within_limits x (Q2R any) (Q2R any) thrice ->
-  computes_normal x value v -> computes_normal x thrice s -> 0 <= s -> Rabs (v - real x value) <= Q2R constant * s.
+  within_limits x (Q2R 1) (Q2R (2 ^ 21)) value -> within_limits x (Q2R 1) (Q2R (2 ^ 21)) thrice ->
+  computes32 x value v -> computes32 x thrice s -> 0 <= s -> Rabs (v - real x value) <= Q2R constant * s + Q2R (1 # 2
+    ^ 64).
 Proof.
   assert (three : Rabs (Q2R 3) = Q2R 3) by (unfold Q2R; simpl; rewrite Rabs_pos_eq; lra).
-  intros. eapply float_error_of_normal_numbers with (size := thrice) (m := any) (d := any); try eassumption.
+  intros. eapply float_error with (size := thrice) (f := all h32Q) (m := all 1) (d := apart (2 ^ 21)); try
+    eassumption; try exact (all_may_lose x).
   - vm_compute. reflexivity.
   - apply products.
   - cbv [thrice size real permanent]. rewrite three. reflexivity.

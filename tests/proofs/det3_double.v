@@ -1,8 +1,10 @@
 (* SPDX-License-Identifier: MIT *)
 (* det3.clh, the double level: det(u1 - u0, v1 - v0, w1 - w0).
 
-   Assumed: the inputs are finite floats. So they are multiples of 2^-149 below 2^128, differences, products of two and of
-   three are multiples of 2^-149, 2^-298 and 2^-447, rounded or not, and all is below 2^391: no result is a denormal, and
+   Assumed: the inputs are finite floats. So they are multiples of 2^-149 below 2^128, differences, products of two
+     and of
+   three are multiples of 2^-149, 2^-298 and 2^-447, rounded or not, and all is below 2^391: no result is a denormal,
+     and
    nothing overflows (rounds64 assumes the first, Roundings.v the second). *)
 From Coq Require Import Reals QArith.
 Require Import Roundings Devices Filters.
@@ -45,8 +47,8 @@ Variable x : nat -> R.
 Variables m d : Q.
 Open Scope R_scope.
 
-Definition least_bound := Eval vm_compute in least_constant u64Q 0 0 0 value size 0.
-Lemma less_is_not : is_enough u64Q 0 0 0 value size 0 (least_bound * (1 - (1 # 2 ^ 60))) = false.
+Definition least_bound := Eval vm_compute in least_constant u64Q 0 (all 0) (all 0) (apart 0) value size 0.
+Lemma less_is_not : is_enough u64Q 0 (all 0) (all 0) (apart 0) value size 0 (least_bound * (1 - (1 # 2 ^ 60))) = false.
 Proof. vm_compute. reflexivity. Qed.
 
 Let difference i j := x i - x j.
@@ -62,7 +64,8 @@ Theorem sign v s b :
   computes64 x value v -> computes64 x size s -> 0 <= s -> rounds64 (Q2R bound_constant * s) b ->
   b < Rabs v -> (0 < v <-> 0 < real x value) /\ real x value <> 0.
 Proof.
-  intros. eapply double_filter with (constant := bound_constant) (m := (2 ^ 129)%Q); try eassumption.
+  intros. eapply double_filter with (constant := bound_constant) (m := all (2 ^ 129)) (d := apart (2 ^ 129)); try
+    eassumption.
   - vm_compute. reflexivity.
   - cbv [value size real permanent]; same_products.
   - cbv [value size real permanent]; same_products.

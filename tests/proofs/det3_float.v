@@ -1,7 +1,8 @@
 (* SPDX-License-Identifier: MIT *)
 (* det3.clh, the float level: det(u1 - u0, v1 - v0, w1 - w0).
 
-   Assumed: the inputs are finite floats, and no difference exceeds 2^21. (No computed difference exceeds 2^20; a real one
+   Assumed: the inputs are finite floats, and no difference exceeds 2^21. (No computed difference exceeds 2^20; a real
+     one
    is at most 1 + 2^-23 times as large.) Overflow: nothing exceeds 2^66. *)
 From Coq Require Import Reals QArith.
 Require Import Roundings Devices Filters.
@@ -64,10 +65,12 @@ Lemma value_is_the_determinant :
 Proof. cbv [value real]. unfold ux, uy, uz, vx, vy, vz, wx, wy, wz, difference. ring. Qed.
 
 Definition least : Q := 1 # 2 ^ 40.
-Definition least_bound := Eval vm_compute in least_constant u32Q h32Q 0 (2 ^ 21) value size least.
-Lemma bound_is_enough : is_enough u32Q h32Q 0 (2 ^ 21) value size least bound_constant = true.
+Definition least_bound := Eval vm_compute in least_constant u32Q h32Q (all h32Q) (all 0) (apart (2 ^ 21)) value size
+  least.
+Lemma bound_is_enough : is_enough u32Q h32Q (all h32Q) (all 0) (apart (2 ^ 21)) value size least bound_constant = true.
 Proof. vm_compute. reflexivity. Qed.
-Lemma less_is_not : is_enough u32Q h32Q 0 (2 ^ 21) value size least (least_bound * (1 - (1 # 2 ^ 30))) = false.
+Lemma less_is_not : is_enough u32Q h32Q (all h32Q) (all 0) (apart (2 ^ 21)) value size least (least_bound * (1 - (1 #
+  2 ^ 30))) = false.
 Proof. vm_compute. reflexivity. Qed.
 
 Theorem sign v s t b :
@@ -75,7 +78,8 @@ Theorem sign v s t b :
   computes32 x value v -> computes32 x size s -> Q2R least <= s -> seen32 s t -> rounds32 (Q2R bound_constant * t) b ->
   b < Rabs v -> (0 < v <-> 0 < real x value) /\ real x value <> 0.
 Proof.
-  intros. eapply float_filter; try eassumption; try exact bound_is_enough; cbv [value size real permanent]; same_products.
+  intros. eapply (float_filter x (all h32Q)); try exact (all_may_lose x); try eassumption; try exact bound_is_enough;
+    cbv [value size real permanent]; same_products.
 Qed.
 (* The same filter in lanes (det3_lanes.clh). *)
 Lemma lanes_are_the_same : lanes_value = value /\ lanes_bound_constant = bound_constant.

@@ -1,8 +1,10 @@
 (* SPDX-License-Identifier: MIT *)
-(* triangle_records.clh: the roundings of an edge function at a point of the grid, from the projected vertices as they are
+(* triangle_records.clh: the roundings of an edge function at a point of the grid, from the projected vertices as they
+  are
    computed: 6 u Q (docs/numerics.md, 4).
 
-   Assumed: |X|, |Y| <= reach; no product is below 2^-126 unless it is 0. (What underflow takes is below PROJECTION_UNDERFLOW
+   Assumed: |X|, |Y| <= reach; no product is below 2^-126 unless it is 0. (What underflow takes is below
+     PROJECTION_UNDERFLOW
    times the other factors, which the margin's first term has: prose.) Overflow: coordinates are below 1e12. *)
 From Coq Require Import Reals QArith Lra Psatz.
 Require Import Roundings Devices Filters.
@@ -48,7 +50,8 @@ Theorem error v s :
   Rabs (v - real x value) <= Q2R bound_constant * s.
 Proof.
   assert (r0 := Rabs_pos (x X)). assert (r := Rabs_pos_eq (x reach) ltac:(lra)).
-  intros. eapply float_error_of_normal_numbers with (size := size) (m := any) (d := any); try eassumption.
+  intros. eapply float_error_of_normal_numbers with (size := size) (m := fun _ => any) (d := fun _ _ => any); try
+    eassumption.
   - vm_compute. reflexivity.
   - cbv [value size permanent]. rewrite !r.
     assert (P := fun i j k => Rmult_le_pos _ _ (Rabs_pos (x i)) (Rabs_pos (x j - x k))).

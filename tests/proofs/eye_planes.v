@@ -5,7 +5,8 @@
      quotient_moves   what the errors of N . r and of D (det3_float.v) do to their quotient.
 
    Assumed: C, S and T (corner, step_x, step_y) have met one rounding; (X, Y) lies in the picture; `largest` is at least
-   |C| + |X| |S| + |Y| |T|; a quotient is off by 2.5 ulp; D is off by less than a quarter of itself, as the level asks; no
+   |C| + |X| |S| + |Y| |T|; a quotient is off by 2.5 ulp; D is off by less than a quarter of itself, as the level
+     asks; no
    result is below 2^-126 unless it is 0 (underflow: prose, by the range of the level). The 1 % covers the margin's own
    roundings (planes.v). In prose: nearness() is off by u / 32, which 8 u L holds as well. *)
 From Coq Require Import Reals QArith Qreals Lra Psatz.
@@ -136,7 +137,8 @@ Theorem rounding v s :
 Proof.
   assert (X0 := Rabs_pos (x X)). assert (Y0 := Rabs_pos (x Y)).
   assert (W := Rabs_pos_eq (x width) ltac:(lra)). assert (H := Rabs_pos_eq (x height) ltac:(lra)).
-  intros. eapply float_error_of_normal_numbers with (size := largest) (m := any) (d := any); try eassumption.
+  intros. eapply float_error_of_normal_numbers with (size := largest) (m := fun _ => any) (d := fun _ _ => any); try
+    eassumption.
   - vm_compute. reflexivity.
   - cbv [z largest margin permanent]. rewrite W, H.
     assert (G1 := Rmult_le_compat_r _ _ _ (Rabs_pos (x quotient_1)) X_in).
@@ -161,12 +163,14 @@ Theorem products_near p_x p_y p_0 :
   Q2R least_products * real x products.
 Proof.
   intros [C1 L1] [C2 L2] [C3 L3].
-  assert (N1 := error_of_normal_numbers x any any _ p_x L1 C1). assert (N2 := error_of_normal_numbers x any any _ p_y L2 C2).
-  assert (N3 := error_of_normal_numbers x any any _ p_0 L3 C3).
+  assert (N1 := error_of_normal_numbers x (fun _ => any) (fun _ _ => any) _ p_x L1 C1). assert (N2 :=
+    error_of_normal_numbers x (fun _ => any) (fun _ _ => any) _ p_y L2 C2).
+  assert (N3 := error_of_normal_numbers x (fun _ => any) (fun _ _ => any) _ p_0 L3 C3).
   replace (p_x * x X + p_y * x Y + p_0 - (real x quotient_1_over * x X + real x quotient_2_over * x Y +
     real x quotient_3_over)) with ((p_x - real x quotient_1_over) * x X + ((p_y - real x quotient_2_over) * x Y +
     (p_0 - real x quotient_3_over))) by ring.
-  assert (M1 := Rmult_le_compat_r _ _ _ (Rabs_pos (x X)) N1). assert (M2 := Rmult_le_compat_r _ _ _ (Rabs_pos (x Y)) N2).
+  assert (M1 := Rmult_le_compat_r _ _ _ (Rabs_pos (x X)) N1). assert (M2 := Rmult_le_compat_r _ _ _ (Rabs_pos (x Y))
+    N2).
   rewrite <- Rabs_mult in M1, M2.
   assert (T1 := Rabs_triang ((p_x - real x quotient_1_over) * x X) ((p_y - real x quotient_2_over) * x Y +
     (p_0 - real x quotient_3_over))).
@@ -181,14 +185,16 @@ Proof.
   { unfold T. assert (P := permanent_positive x). assert (P1 := Rmult_le_pos _ _ (P quotient_1_over) (Rabs_pos (x X))).
     assert (P2 := Rmult_le_pos _ _ (P quotient_2_over) (Rabs_pos (x Y))). specialize (P quotient_3_over). lra. }
   assert (A : alpha u32 8 <= Q2R least_products).
-  { unfold alpha. replace u32 with (/ 16777216) by (unfold u32; simpl; lra). simpl pow. unfold Q2R, least_products; simpl. lra. }
+  { unfold alpha. replace u32 with (/ 16777216) by (unfold u32; simpl; lra). simpl pow. unfold Q2R, least_products;
+    simpl. lra. }
   assert (S : T <= real x products).
   { unfold T. cbv [products quotient_4_over quotient_1_over quotient_2_over quotient_3_over real permanent].
     rewrite !Rabs_mult. unfold large in *.
     set (m1 := Rabs (x b_y - x a_y) * Rabs (x c_z - x a_z)). set (m2 := Rabs (x b_z - x a_z) * Rabs (x c_y - x a_y)).
     set (m3 := Rabs (x b_z - x a_z) * Rabs (x c_x - x a_x)). set (m4 := Rabs (x b_x - x a_x) * Rabs (x c_z - x a_z)).
     set (m5 := Rabs (x b_x - x a_x) * Rabs (x c_y - x a_y)). set (m6 := Rabs (x b_y - x a_y) * Rabs (x c_x - x a_x)).
-    assert (P : forall i j k l, 0 <= Rabs (x i - x j) * Rabs (x k - x l)) by (intros; apply Rmult_le_pos; apply Rabs_pos).
+    assert (P : forall i j k l, 0 <= Rabs (x i - x j) * Rabs (x k - x l)) by (intros; apply Rmult_le_pos; apply
+      Rabs_pos).
     assert (Q1 : 0 <= m1 + m2) by (apply Rplus_le_le_0_compat; apply P).
     assert (Q2 : 0 <= m3 + m4) by (apply Rplus_le_le_0_compat; apply P).
     assert (Q3 : 0 <= m5 + m6) by (apply Rplus_le_le_0_compat; apply P).
@@ -204,10 +210,12 @@ Theorem quotient_moves n_p m_p D E d_p d_D L :
   Rabs (m_p - n_p) <= d_p -> Rabs (E - D) <= d_D -> Rabs (n_p / D) <= L -> 4 * d_D < Rabs D ->
   Rabs (m_p / E - n_p / D) <= d_p / Rabs D + 4 / 3 * (L + d_p / Rabs D) * (d_D / Rabs D).
 Proof.
-  intros Hp HD HL steep. assert (dD0 := Rle_trans _ _ _ (Rabs_pos _) HD). assert (dp0 := Rle_trans _ _ _ (Rabs_pos _) Hp).
+  intros Hp HD HL steep. assert (dD0 := Rle_trans _ _ _ (Rabs_pos _) HD). assert (dp0 := Rle_trans _ _ _ (Rabs_pos _)
+    Hp).
   assert (D0 : D <> 0) by (intros ->; rewrite Rabs_R0 in steep; lra). assert (s0 := Rabs_pos_lt _ D0).
   assert (least : 3 / 4 * Rabs D <= Rabs E).
-  { assert (T := Rabs_triang_inv D (D - E)). replace (D - (D - E)) with E in T by ring. rewrite Rabs_minus_sym in HD. lra. }
+  { assert (T := Rabs_triang_inv D (D - E)). replace (D - (D - E)) with E in T by ring. rewrite Rabs_minus_sym in HD.
+    lra. }
   assert (E0 : E <> 0) by (intros ->; rewrite Rabs_R0 in least; lra).
   assert (I : 0 <= / Rabs D) by (left; apply Rinv_0_lt_compat, s0).
   replace (m_p / E - n_p / D) with ((m_p - n_p) * / D + - (m_p / E * ((E - D) * / D))) by (field; auto).

@@ -1,9 +1,12 @@
 (* SPDX-License-Identifier: MIT *)
 (* eye_records.clh: an edge function of a camera's record, times the record's scale, against EYE_EDGE_BOUND Q scale.
 
-   Assumed: C, S and T (corner, step_x, step_y) have met one rounding; (X, Y) lies in the picture; no result is below 2^-126
-   unless it is 0 (underflow: prose, by the range of the level). The scale 1 / (EYE_EDGE_BOUND Q) is off by at most 7 u of
-   itself, a quotient by 2.5 ulp, a product, and Q is off as the lemma says: so a margin of 1 is enough where the error is
+   Assumed: C, S and T (corner, step_x, step_y) have met one rounding; (X, Y) lies in the picture; no result is below
+     2^-126
+   unless it is 0 (underflow: prose, by the range of the level). The scale 1 / (EYE_EDGE_BOUND Q) is off by at most 7
+     u of
+   itself, a quotient by 2.5 ulp, a product, and Q is off as the lemma says: so a margin of 1 is enough where the
+     error is
    below (1 - 7 u) EYE_EDGE_BOUND Q scale. Overflow: nothing exceeds 2^80. *)
 From Coq Require Import Reals QArith Lra Psatz.
 Require Import Roundings Devices Filters.
@@ -95,7 +98,8 @@ Theorem error v s :
 Proof.
   assert (X0 := Rabs_pos (x X)). assert (Y0 := Rabs_pos (x Y)).
   assert (W := Rabs_pos_eq (x width) ltac:(lra)). assert (H := Rabs_pos_eq (x height) ltac:(lra)).
-  intros. eapply float_error_of_normal_numbers with (size := scaled_size) (m := any) (d := any); try eassumption.
+  intros. eapply float_error_of_normal_numbers with (size := scaled_size) (m := fun _ => any) (d := fun _ _ => any);
+    try eassumption.
   - vm_compute. reflexivity.
   - apply products.
   - cbv [scaled_size size real permanent]. rewrite !Rabs_mult, !W, !H. ring.

@@ -62,6 +62,11 @@ noticed prepared/prepared_light.h 's/PREPARED_PADDING (32\.0f/PREPARED_PADDING (
 refused prepared_boxes
 noticed horizons/horizons.cl 's/SLOPE_BELOW (1\.0f - 0x1\.8p-21f)/SLOPE_BELOW (1.0f - 0x1p-22f)/' pyramid_slopes.v
 refused pyramid_slopes
+# What keeps bounds above what underflow takes.
+noticed horizons/height_field.h 's/FIELD_NEAR 0x1p-40f/FIELD_NEAR 0x1p-60f/' horizons.v
+refused horizons
+noticed lights/light_sides.cl 's/0x1p-98f/0x1p-100f/' light_sides.v
+refused light_sides
 noticed beams/beam.h 's/BEAM_ROUNDING 4e-6f/BEAM_ROUNDING 3.1e-6f/' leaf_extents.v
 refused leaf_extents
 noticed packets/parallel_packets.clh 's/PACKET_BOUND_OF_HEIGHT 8\.0f/PACKET_BOUND_OF_HEIGHT 4.4f/' packet_heights.v

@@ -1,15 +1,16 @@
 (* SPDX-License-Identifier: MIT *)
-(* beam_intersect.clh, point lights: the values of a triangle's edge and of its plane, h = n . (S - A), against one bound,
-   which a box of lights multiplies with CONE_BOUNDS (docs/numerics.md, 16).
+(* beam_intersect.clh, point lights: the values of a triangle's edge and of its plane, h = n . (S - A), against one
+   bound, which a box of lights multiplies with CONE_BOUNDS (docs/numerics.md, 16).
      bound_is_large        the computed bound is more than 8.6 u reach |A - P|_1 |B - A|_1;
-     scale_is_small        the plane's scale times PLANE_BOUNDS BEAM_BOUND |n| (|A - P|_1 + 3 reach) is about the bound;
+     scale_is_small        the plane's scale times PLANE_BOUNDS BEAM_BOUND |n| (|A - P|_1 + 3 reach) is about the
+        bound;
      edge_near, edge_of_box_near, plane_near, plane_of_box_near   so each value is off by at most the bound.
 
-   Assumed: D = S - P has no coordinate above `reach`, but for 6 u of it; for the box, whose part may stick out of the whole
-   box, the coordinates of the four vectors add up to at most 3 reach (geometry: the lights of a part lie in the whole box);
-   a quotient is off by 2.5 ulp; no result is below 2^-126 unless it is 0 (BEAM_UNDERFLOW covers it: prose).
-   A greater of two
-   is at least both. Overflow: nothing exceeds 2^60. *)
+   Assumed: D = S - P has no coordinate above `reach`, but for 6 u of it; for the box, whose part may stick out of
+   the whole box, the coordinates of the four vectors add up to at most 3 reach (geometry: the lights of a part lie
+   in the whole box); a quotient is off by 2.5 ulp; no input but the scale exceeds 2^24. Denormals may be kept or
+   flushed: BEAM_UNDERFLOW covers what that takes. A greater of two is at least both. Overflow: nothing exceeds
+   2^60. *)
 From Coq Require Import Reals QArith Qreals Lra Psatz.
 From Flocq Require Import Core.
 Require Import Roundings Devices Filters.
@@ -129,6 +130,16 @@ Definition bound_of_box_constant : Q := 4 # 1.
 
 Open Scope R_scope.
 Local Notation u := (/ 16777216).
+Local Notation computed := (limited32 (2 ^ 24)).
+Definition of_sizes : Q := 1 # 1329227995784915872903807060280344576.  (* 2^-120 *)
+Local Notation of_sizes' := (/ 1329227995784915872903807060280344576).
+Definition rest : Q := 1 # 295147905179352825856.  (* 2^-68 *)
+Local Notation rest' := (/ 295147905179352825856).
+Lemma rests_are : Q2R of_sizes = of_sizes' /\ Q2R rest = rest'.
+Proof. unfold Q2R, of_sizes, rest; simpl; lra. Qed.
+Ltac rest_in C := destruct rests_are as [of_sizes_is rest_is]; rewrite ?of_sizes_is, ?rest_is in C; clear of_sizes_is
+  rest_is.
+Local Notation least := (/ 36893488147419103232).  (* 2^-65, half of BEAM_UNDERFLOW *)
 Definition of_edge : Q := match bound with Add _ (Mul _ (Mul _ (Times c _))) => c | _ => 0%Q end.
 Definition of_plane : Q * Q := match quotient_1_under with
   Add _ (Mul (Times p (Add a (Times t _))) (Times c _)) => (p, c) | _ => (0%Q, 0%Q) end.
@@ -159,10 +170,11 @@ Proof. unfold size. repeat apply Rplus_le_le_0_compat; apply Rabs_pos. Qed.
 
 (* ---- The bound ---- *)
 Lemma size_near i j k l m n v :
-  computed x (Add (Abs (Diff m n)) (Add (Abs (Diff i j)) (Abs (Diff k l)))) v -> (1 - 301 / 100 * u) * size i j k l m n
-    <= v.
+  computed x (Add (Abs (Diff m n)) (Add (Abs (Diff i j)) (Abs (Diff k l)))) v -> (1 - 301 / 100 * u) * size i j k l m
+    n - of_sizes' <= v.
 Proof.
-  intros C. apply near in C. assert (A := alpha_below 3 ltac:(lia)). simpl INR in A. cbn -[u32 alpha] in C.
+  intros C. near_in (2 ^ 24)%Q of_sizes (Add (Abs (Diff m n)) (Add (Abs (Diff i j)) (Abs (Diff k l)))) C. rest_in C.
+    assert (A := alpha_below 3 ltac:(lia)). simpl INR in A. cbn -[u32 alpha] in C.
   assert (S := size0 i j k l m n). unfold size in *.
   assert (E := Rmult_le_compat_r _ _ _ S A). apply between in C. lra.
 Qed.
@@ -170,25 +182,33 @@ Qed.
 Hypotheses (a_is : forall v, computed x greater_2_one v -> v <= x greater_2).
 Hypotheses (f_is : forall v, computed x greater_3_one v -> v <= x greater_4).
 Variables a' f' : R.
+Hypotheses (greater_2_0 : 0 <= x greater_2 ) (greater_4_0 : 0 <= x greater_4).
+Hypotheses (greater_2_in : x greater_2 <= 67108864) (greater_4_in : x greater_4 <= 67108864).
 Hypotheses (a_computed : computed x greater_2_one a') (f_computed : computed x greater_3_one f').
-Hypotheses (one : 0 <= x greater_1).
-Theorem bound_is_large b : computed x bound b -> 86 / 10 * u * (a * f * reach') <= b.
+Hypotheses (one : 1 <= x greater_1) (reach_in : reach' <= 16777216) (a_in : a <= 67108864) (f_in : f <= 67108864).
+Theorem bound_is_large b : computed x bound b -> 86 / 10 * u * (a * f * reach') + least <= b.
 Proof.
-  intros C. apply near in C. assert (A := alpha_below 4 ltac:(lia)). simpl INR in A.
+  intros C. near_in (2 ^ 24)%Q rest bound C. rest_in C. assert (A := alpha_below 4 ltac:(lia)). simpl INR in A.
   assert (Sa := size_near _ _ _ _ _ _ _ a_computed). assert (Sf := size_near _ _ _ _ _ _ _ f_computed).
   apply a_is in a_computed as Ga. apply f_is in f_computed as Gf. fold a in Sa. fold f in Sf.
   assert (a0 : 0 <= a) by apply size0. assert (f0 : 0 <= f) by apply size0.
-  assert (P : (1 - 301 / 100 * u) * a * ((1 - 301 / 100 * u) * f) <= x greater_2 * x greater_4) by (apply
-    Rmult_le_compat; lra).
+  assert (af : 0 <= a * f) by (apply Rmult_le_pos; lra).
+  assert (P : (1 - 301 / 100 * u) * a * ((1 - 301 / 100 * u) * f) - of_sizes' * 134217730 <= x greater_2 * x greater_4).
+  { assert (G1 := Rmult_le_compat_r (x greater_4 + of_sizes') ((1 - 301 / 100 * u) * a) (x greater_2 + of_sizes')
+    ltac:(lra) ltac:(lra)).
+    assert (G2 := Rmult_le_compat_l ((1 - 301 / 100 * u) * a) ((1 - 301 / 100 * u) * f) (x greater_4 + of_sizes')
+      ltac:(lra) ltac:(lra)). lra. }
   assert (Q := Rmult_le_compat_r reach' _ _ reach0 P).
   unfold bound in C. cbn -[u32 alpha Q2R] in C. fold reach' in C.
   rewrite !(Rabs_pos_eq (Q2R _)) in C by (unfold Q2R; simpl; lra).
   rewrite (Rabs_pos_eq reach'), (Rabs_pos_eq (x greater_2)), (Rabs_pos_eq (x greater_4)), (Rabs_pos_eq (x greater_1)) in
     C by lra.
   set (T := Q2R (1 # 18446744073709551616) * x greater_1) in *.
-  assert (T0 : 0 <= T) by (unfold T; apply Rmult_le_pos; [unfold Q2R; simpl |]; lra).
+  assert (T0 : / 18446744073709551616 <= T).
+  { unfold T. replace (Q2R (1 # 18446744073709551616)) with (/ 18446744073709551616) by (unfold Q2R; simpl; lra). lra. }
   replace (Q2R (9147937 # 17592186044416)) with (9147937 / 17592186044416) in C by (unfold Q2R; simpl; lra).
   assert (W0 : 0 <= a * f * reach') by (repeat apply Rmult_le_pos; lra).
+  assert (afr := Rmult_le_compat_l (a * f) _ _ af reach_in). assert (r_in := reach_in).
   set (W := x greater_2 * x greater_4 * reach') in *.
   assert (S0 : 0 <= T + 9147937 / 17592186044416 * W) by lra.
   assert (E := Rmult_le_compat_r _ _ _ S0 A). unfold W in E at 1. apply between in C. unfold W in *. lra.
@@ -214,7 +234,8 @@ Let box r := of_box box_1_0 box_0_0_0 box_2_0 box_3_0 P_x <= r /\ of_box box_1_1
 Theorem edge_near v b : one_light ((1 + 6 * u) * reach') -> computed x edge v -> computed x bound b ->
   Rabs (v - real x edge) <= b.
 Proof.
-  intros (L1 & L2 & L3) C Cb. apply bound_is_large in Cb. apply near in C. eapply Rle_trans; [exact C | clear C].
+  intros (L1 & L2 & L3) C Cb. apply bound_is_large in Cb. near_in (2 ^ 24)%Q rest edge C. rest_in C. eapply Rle_trans;
+    [exact C | clear C].
   assert (A := alpha_below 8 ltac:(lia)). simpl INR in A.
   assert (G := N_below ((1 + 6 * u) * reach') _ _ _ ltac:(lra) L1 L2 L3). change (roundings edge) with 8%nat.
   assert (P : permanent x edge <= a * f * ((1 + 6 * u) * reach')) by (unfold N_x, N_y, N_z in G; cbn; lra).
@@ -227,7 +248,8 @@ Definition least_times : Q := 349 # 100.
 Theorem edge_of_box_near v b : box (3 * reach') -> computed x edge_of_box v -> computed x bound b ->
   Rabs (v - real x edge_of_box) <= Q2R least_times * b.
 Proof.
-  intros (L1 & L2 & L3) C Cb. apply bound_is_large in Cb. apply near in C. eapply Rle_trans; [exact C | clear C].
+  intros (L1 & L2 & L3) C Cb. apply bound_is_large in Cb. near_in (2 ^ 24)%Q rest edge_of_box C. rest_in C. eapply
+    Rle_trans; [exact C | clear C].
   assert (A := alpha_below 10 ltac:(lia)). simpl INR in A.
   replace (Q2R least_times) with (349 / 100) by (unfold Q2R, least_times; simpl; lra).
   assert (G := N_below (3 * reach') _ _ _ ltac:(lra) L1 L2 L3). change (roundings edge_of_box) with 10%nat.
@@ -253,14 +275,16 @@ Let X := q * (n * (a + 3 * reach')).
 Lemma n0 : 0 <= n.
 Proof. destruct M0. lra. Qed.
 Lemma X0 : 0 <= X.
-Proof. unfold X. assert (A := size0 A_x P_x A_y P_y A_z P_z). fold a in A. repeat apply Rmult_le_pos; auto using n0; lra.
+Proof. unfold X. assert (A := size0 A_x P_x A_y P_y A_z P_z). fold a in A. repeat apply Rmult_le_pos; auto using n0;
+  lra.
 Qed.
 
 Theorem scale_is_small b w : computed x quotient_1_under w -> q * w <= (1 + 6 * u) * b -> 0 < w ->
-  130 / 10 * u * X <= b.
+  130 / 10 * u * X + least * q <= b.
 Proof.
   intros C Q w0. assert (Sa : size A_x P_x A_y P_y A_z P_z = a) by reflexivity.
-  apply near in C. assert (A := alpha_below 8 ltac:(lia)). simpl INR in A. assert (A8 := alpha_at_least 8).
+  near_in (2 ^ 24)%Q rest quotient_1_under C. rest_in C. assert (A := alpha_below 8 ltac:(lia)). simpl INR in A.
+    assert (A8 := alpha_at_least 8).
   unfold quotient_1_under, greater_2_one in C. cbn -[u32 alpha Q2R] in C. fold reach' in C.
   rewrite !(Rabs_pos_eq (Q2R _)) in C by (unfold Q2R; simpl; lra).
   rewrite (Rabs_pos_eq reach') in C by lra. assert (a0 : 0 <= a) by apply size0. assert (n0 := n0).
@@ -269,7 +293,8 @@ Proof.
   replace (Q2R (3 # 2)) with (3 / 2) in C by (unfold Q2R; simpl; lra).
   replace (Q2R (3 # 1)) with 3 in C by (unfold Q2R; simpl; lra).
   replace (Q2R (9147937 # 17592186044416)) with (9147937 / 17592186044416) in C by (unfold Q2R; simpl; lra).
-  set (T := Q2R (1 # 18446744073709551616)) in *. assert (T0 : 0 <= T) by (unfold T, Q2R; simpl; lra).
+  set (T := Q2R (1 # 18446744073709551616)) in *. assert (T0 : T = / 18446744073709551616) by (unfold T, Q2R; simpl;
+    lra).
   set (Y := (a + 3 * reach') * x greater_6). assert (Y0 : 0 <= Y) by (apply Rmult_le_pos; lra).
   assert (Y1 : (1 - 401 / 100 * u) * (n * (a + 3 * reach')) <= Y).
   { unfold Y. assert (G := Rmult_le_compat_r (a + 3 * reach') _ _ ltac:(lra) n_is). lra. }
@@ -277,8 +302,9 @@ Proof.
     * Y) in C
     by (unfold Y; ring).
   assert (E := Rmult_le_compat_r (T + 3 / 2 * (9147937 / 17592186044416) * Y) _ _ ltac:(lra) A).
-  apply between in C. assert (W : (1 - 81 / 10 * u) * (3 / 2 * (9147937 / 17592186044416) * Y) <= w) by lra.
-  assert (G := Rmult_le_compat_l q _ _ q0 W). assert (H := Rmult_le_compat_l q _ _ q0 Y1). unfold X.
+  apply between in C. assert (W : (1 - 81 / 10 * u) * (3 / 2 * (9147937 / 17592186044416) * Y) + 9 / 10 * T <= w) by
+    lra.
+  rewrite T0 in W. assert (G := Rmult_le_compat_l q _ _ q0 W). assert (H := Rmult_le_compat_l q _ _ q0 Y1). unfold X.
   assert (Z := X0). unfold X in Z. lra.
 Qed.
 
@@ -289,37 +315,62 @@ Proof.
   assert (o * M_z <= o * n) by (apply Rmult_le_compat_l; lra). lra.
 Qed.
 
-Theorem plane_near v b w : one_light ((1 + 6 * u) * reach') -> computed x quotient_1_under w -> q * w <= (1 + 6 * u) * b
-  -> 0 < w ->
-  computed x plane v -> Rabs (v - real x plane) <= b.
+(* The scale is no denormal, being 2^-64 or more by 2^56 or less; no other input exceeds 2^24. *)
+Hypothesis q_is_normal : 2 * h32 <= q.
+Let may_lose i := if Nat.eqb i quotient_1 then 0%Q else h32Q.
+Lemma q_keeps : keeps x may_lose.
 Proof.
-  intros (L1 & L2 & L3) Cw Hq w0 C. assert (B := scale_is_small _ _ Cw Hq w0). apply near in C.
-  eapply Rle_trans; [exact C | clear C]. assert (A := alpha_below 10 ltac:(lia)). simpl INR in A.
+  intros i. unfold may_lose. destruct (Nat.eqb_spec i quotient_1); [right | now left]. subst i. split; [reflexivity |
+    right].
+  fold q. now rewrite Rabs_pos_eq.
+Qed.
+Let caps i := if Nat.eqb i quotient_1 then line 0 1 else number (2 ^ 24).
+Let gaps (i j : nat) := number (2 ^ 24).
+Definition limited_plane e v := computes32 x e v /\ within x (fun i => at_size q (caps i)) (fun i j => at_size q (gaps
+  i j)) e.
+
+Theorem plane_near v b w : one_light ((1 + 6 * u) * reach') -> computed x quotient_1_under w -> q * w <= (1 + 6 * u) * b
+  -> 0 < w -> computed x bound b -> limited_plane plane v -> Rabs (v - real x plane) <= b.
+Proof.
+  intros (L1 & L2 & L3) Cw Hq w0 Cb [C W]. assert (B := scale_is_small _ _ Cw Hq w0). apply bound_is_large in Cb.
+  apply (near_at_size_keeping x may_lose caps gaps q (line rest rest)) in C; [| exact q_keeps | exact q0 | vm_compute;
+    reflexivity | exact W].
+  unfold line in C. cbn [at_size] in C. rest_in C. eapply Rle_trans; [exact C | clear C W]. assert (A := alpha_below
+    10 ltac:(lia)). simpl INR in A.
   change (roundings plane) with 10%nat.
   assert (G := M_below _ _ _ (Rabs_pos (x S_x - x P_x)) (Rabs_pos (x S_y - x P_y)) (Rabs_pos (x S_z - x P_z))).
   assert (H := M_below _ _ _ (Rabs_pos (x A_x - x P_x)) (Rabs_pos (x A_y - x P_y)) (Rabs_pos (x A_z - x P_z))).
   fold (size A_x P_x A_y P_y A_z P_z) in H. fold a in H. assert (n0 := n0).
-  assert (D : n * (Rabs (x S_x - x P_x) + Rabs (x S_y - x P_y) + Rabs (x S_z - x P_z)) <= n * (3 * ((1 + 6 * u) * reach'))).
+  assert (D : n * (Rabs (x S_x - x P_x) + Rabs (x S_y - x P_y) + Rabs (x S_z - x P_z)) <= n * (3 * ((1 + 6 * u) *
+    reach'))).
   { apply Rmult_le_compat_l; lra. }
   assert (a0 : 0 <= a) by apply size0. assert (na : 0 <= n * a) by (apply Rmult_le_pos; lra).
   assert (P : permanent x plane <= (1 + 6 * u) * X).
   { unfold plane; cbn; fold q; rewrite (Rabs_pos_eq q) by assumption.
-    set (D_x := Rabs (x S_x - x P_x)) in *. set (D_y := Rabs (x S_y - x P_y)) in *. set (D_z := Rabs (x S_z - x P_z)) in *.
-    set (a_x := Rabs (x A_x - x P_x)) in *. set (a_y := Rabs (x A_y - x P_y)) in *. set (a_z := Rabs (x A_z - x P_z)) in *.
+    set (D_x := Rabs (x S_x - x P_x)) in *. set (D_y := Rabs (x S_y - x P_y)) in *. set (D_z := Rabs (x S_z - x P_z))
+      in *.
+    set (a_x := Rabs (x A_x - x P_x)) in *. set (a_y := Rabs (x A_y - x P_y)) in *. set (a_z := Rabs (x A_z - x P_z))
+      in *.
     assert (Q := Rmult_le_compat_l q _ _ q0 (Rplus_le_compat _ _ _ _ (Rle_trans _ _ _ G D) H)).
     assert (qna := Rmult_le_pos _ _ q0 na). unfold X, M_x, M_y, M_z in *. lra. }
-  assert (E := Rmult_le_compat _ _ _ _ (alpha_at_least 10) (permanent_positive x plane) A P). assert (Z := X0). lra.
+  assert (E := Rmult_le_compat _ _ _ _ (alpha_at_least 10) (permanent_positive x plane) A P). assert (Z := X0).
+  assert (afr : 0 <= a * f * reach') by (repeat apply Rmult_le_pos; auto; apply size0). lra.
 Qed.
 
-Theorem plane_of_box_near v b w : box (3 * reach') -> computed x quotient_1_under w -> q * w <= (1 + 6 * u) * b -> 0 < w ->
-  computed x plane_of_box v -> Rabs (v - real x plane_of_box) <= Q2R least_times * b.
+Theorem plane_of_box_near v b w : box (3 * reach') -> computed x quotient_1_under w -> q * w <= (1 + 6 * u) * b -> 0 <
+  w ->
+  computed x bound b -> limited_plane plane_of_box v -> Rabs (v - real x plane_of_box) <= Q2R least_times * b.
 Proof.
-  intros (L1 & L2 & L3) Cw Hq w0 C. assert (B := scale_is_small _ _ Cw Hq w0). apply near in C.
-  eapply Rle_trans; [exact C | clear C]. assert (A := alpha_below 11 ltac:(lia)). simpl INR in A.
+  intros (L1 & L2 & L3) Cw Hq w0 Cb [C W]. assert (B := scale_is_small _ _ Cw Hq w0). apply bound_is_large in Cb.
+  apply (near_at_size_keeping x may_lose caps gaps q (line rest rest)) in C; [| exact q_keeps | exact q0 | vm_compute;
+    reflexivity | exact W].
+  unfold line in C. cbn [at_size] in C. rest_in C. eapply Rle_trans; [exact C | clear C W]. assert (A := alpha_below
+    11 ltac:(lia)). simpl INR in A.
   replace (Q2R least_times) with (349 / 100) by (unfold Q2R, least_times; simpl; lra).
   change (roundings plane_of_box) with 11%nat. unfold of_box in L1, L2, L3.
   assert (G := fun i j k => M_below _ _ _ (Rabs_pos (x i)) (Rabs_pos (x j)) (Rabs_pos (x k))).
-  assert (G0 := M_below _ _ _ (Rabs_pos (x box_1_0 - x P_x)) (Rabs_pos (x box_1_1 - x P_y)) (Rabs_pos (x box_1_2 - x P_z))).
+  assert (G0 := M_below _ _ _ (Rabs_pos (x box_1_0 - x P_x)) (Rabs_pos (x box_1_1 - x P_y)) (Rabs_pos (x box_1_2 - x
+    P_z))).
   assert (G1 := G box_0_0_0 box_0_0_1 box_0_0_2). assert (G2 := G box_2_0 box_2_1 box_2_2).
   assert (G3 := G box_3_0 box_3_1 box_3_2). clear G.
   assert (H := M_below _ _ _ (Rabs_pos (x A_x - x P_x)) (Rabs_pos (x A_y - x P_y)) (Rabs_pos (x A_z - x P_z))).
@@ -338,13 +389,15 @@ Proof.
     assert (S0 := S _ _ G0). assert (S1 := S _ _ G1). assert (S2 := S _ _ G2). assert (S3 := S _ _ G3).
     assert (SH := S _ _ H). assert (SD := S _ _ D). assert (qna := Rmult_le_pos _ _ q0 na).
     unfold X, M_x, M_y, M_z in *. lra. }
-  assert (E := Rmult_le_compat _ _ _ _ (alpha_at_least 11) (permanent_positive x plane_of_box) A P). assert (Z := X0). lra.
+  assert (E := Rmult_le_compat _ _ _ _ (alpha_at_least 11) (permanent_positive x plane_of_box) A P). assert (Z := X0).
+  assert (afr : 0 <= a * f * reach') by (repeat apply Rmult_le_pos; auto; apply size0). lra.
 Qed.
 End Lights.
 
 Definition least_plane : Q := 1001 # 1677721600.
 Lemma kernels_are_enough : (
-  bound_of_box_constant * (1 - u32Q) >= least_times /\ fst of_plane * snd of_plane * (1 - alphaQ u32Q 16) >= least_plane /\
+  bound_of_box_constant * (1 - u32Q) >= least_times /\ fst of_plane * snd of_plane * (1 - alphaQ u32Q 16) >=
+    least_plane /\
   of_edge = snd of_plane)%Q.
 Proof. vm_compute. repeat split; discriminate. Qed.
 Definition constants := Eval vm_compute in shown least_plane (Qred (fst of_plane * snd of_plane)).

@@ -1,9 +1,10 @@
 (* SPDX-License-Identifier: MIT *)
-(* light_sides.cl: the least value of n . D over the directional lights of a cone, n a receiver's normal as it is computed,
-   against 32 u (the sum of the sizes in n).
+(* light_sides.cl: the least value of n . D over the directional lights of a cone, n a receiver's normal as it is
+   computed, against 32 u (the sum of the sizes in n).
 
-   Assumed: no coordinate of the cone's vectors exceeds 1; no result is below 2^-126 unless it is 0 (2^-100 covers underflow:
-   prose). The bound rounds twice more than `size`. Overflow: differences are at most 2^20, or the bound is infinite. *)
+   Assumed: no coordinate of the cone's vectors exceeds 1; they are 0 or no denormals (the host widens a cone by
+   more than that: docs/numerics.md, 16). Denormals may be kept or flushed otherwise. The bound rounds twice more
+   than `size`. Overflow: differences are at most 2^20, or the bound is infinite. *)
 From Coq Require Import Reals QArith Lra Psatz.
 Require Import Roundings Devices Filters.
 
@@ -42,7 +43,7 @@ Definition size :=
     b_y a_y) (Diff c_z a_z))) (Abs (Mul (Diff b_z a_z) (Diff c_y a_y)))))).
 (* bound = bound_constant * size *)
 Definition bound_constant : Q := 1 # 524288.
-Definition bound_rest : Q := 1 # 1267650600228229401496703205376.
+Definition bound_rest : Q := 1 # 316912650057057350374175801344.
 (* end: from the kernels *)
 
 Section Cone.
@@ -52,6 +53,15 @@ Let below_one i := Rabs (x i) <= 1.
 Hypotheses (middle_x : below_one cone_1_0) (middle_y : below_one cone_1_1) (middle_z : below_one cone_1_2).
 Hypotheses (across_x : below_one cone_2_0) (across_y : below_one cone_2_1) (across_z : below_one cone_2_2).
 Hypotheses (along_x : below_one cone_3_0) (along_y : below_one cone_3_1) (along_z : below_one cone_3_2).
+
+(* The cone's coordinates are 0 or no denormals; the corners may be. *)
+Definition may_lose (i : nat) : Q := if Nat.leb cone_2_0 i then 0 else h32Q.
+Hypothesis cone_is_normal : forall i, (cone_2_0 <= i)%nat -> x i = 0 \/ 2 * h32 <= Rabs (x i).
+Lemma cone_keeps : keeps x may_lose.
+Proof.
+  intros i. unfold may_lose. destruct (Nat.leb_spec cone_2_0 i); [right | now left]. split; [reflexivity |]. now apply
+    cone_is_normal.
+Qed.
 
 (* Middle, across and along. *)
 Definition thrice := Times 3 size.
@@ -79,11 +89,13 @@ Proof.
 Qed.
 
 Theorem error v s :
-  within_limits x (Q2R any) (Q2R any) value -> within_limits x (Q2R any) (Q2R any) thrice ->
-  computes_normal x value v -> computes_normal x thrice s -> 0 <= s -> Rabs (v - real x value) <= Q2R constant * s.
+  within_limits x (Q2R 1) (Q2R (2 ^ 20)) value -> within_limits x (Q2R 1) (Q2R (2 ^ 20)) thrice ->
+  computes32 x value v -> computes32 x thrice s -> 0 <= s -> Rabs (v - real x value) <= Q2R constant * s + Q2R
+    bound_rest.
 Proof.
   assert (three : Rabs (Q2R 3) = Q2R 3) by (unfold Q2R; simpl; rewrite Rabs_pos_eq; lra).
-  intros. eapply float_error_of_normal_numbers with (size := thrice) (m := any) (d := any); try eassumption.
+  intros. eapply float_error with (size := thrice) (f := may_lose) (m := all 1) (d := apart (2 ^ 20)); try eassumption;
+    try exact cone_keeps.
   - vm_compute. reflexivity.
   - apply products.
   - cbv [thrice size real permanent]. rewrite three.
@@ -93,4 +105,7 @@ Qed.
 End Cone.
 Definition constants := Eval vm_compute in shown least_bound bound_constant.
 Print constants.
+Definition rests := Eval vm_compute in shown (least_rest u32Q h32Q may_lose (all 1) (apart (2 ^ 20)) value thrice)
+  bound_rest.
+Print rests.
 Print Assumptions error.

@@ -1,14 +1,15 @@
 (* SPDX-License-Identifier: MIT *)
 (* camera_rays.clh: 1 / t of a hit, N / D, of which two orders follow (docs/numerics.md, 9).
-     wide_is_near           a determinant that is good in double is within 2^-30 of itself, one from the accumulator nearer;
+     wide_is_near           a determinant that is good in double is within 2^-30 of itself, one from the accumulator
+        nearer;
      nearness_is_near       so nearness() is within 2^-29 of 1 / t;
      interval_contains_it   the float interval contains every such value, so that disjoint intervals have its order.
 
    Assumed: the determinants are off by at most their bounds (det3_double.v, camera_rays.v), in float by at most a
-     quarter of
-   themselves; a float quotient is off by 2.5 ulp, a double one is rounded to nearest; no result is below 2^-126 unless
-     it is
-   0 (bounds are at least 2^-61). Overflow: values are at most 2^63, their quotients 2^125. *)
+   quarter of themselves; a float quotient is off by 2.5 ulp, a double one is rounded to nearest; 1 / t is at least
+   2^-60, as a ray's largest coordinate is at least 2^-30 and the float level is used up to differences of 2^20.
+   Denormals may be kept or flushed; doubles are never that small. Overflow: values are at most 2^63, their
+   quotients 2^125. *)
 From Coq Require Import Reals QArith Qreals Lra Psatz.
 From Flocq Require Import Core.
 Require Import Roundings Devices Filters.
@@ -61,7 +62,8 @@ Proof.
   { apply Rmult_le_reg_l with (1 - e); [lra |]. rewrite <- Rmult_assoc, Rinv_r, Rmult_1_l by lra. lra. }
   assert (G := Rmult_le_compat_l e _ _ ltac:(lra) Hv). unfold Rdiv. lra.
 Qed.
-Theorem wide_is_near v V bound limit : Rabs (v - V) <= bound -> bound <= limit -> Rabs (limit - Q2R good * Rabs v) <= h *
+Theorem wide_is_near v V bound limit : Rabs (v - V) <= bound -> bound <= limit -> Rabs (limit - Q2R good * Rabs v) <=
+  h *
   Rabs (Q2R good * Rabs v) ->
   Rabs (v - V) <= / 1073741824 * Rabs V.
 Proof.
@@ -117,7 +119,8 @@ Definition high_of := Add (Given quotient_1 0) (Given shared 0).
 
 Section Interval.
 Variable x : nat -> R.
-Let n := x along. Let d := x depth. Let z := x quotient_1. Let a := x quotient_2. Let b := x quotient_3. Let e := x shared.
+Let n := x along. Let d := x depth. Let z := x quotient_1. Let a := x quotient_2. Let b := x quotient_3. Let e := x
+  shared.
 Variables N D w : R.
 Hypotheses (n0 : n <> 0) (d0 : d <> 0).
 Hypotheses (n_near : Rabs (n - N) <= x along_bound) (d_near : Rabs (d - D) <= x depth_bound).
@@ -125,16 +128,20 @@ Hypotheses (n_usable : 4 * x along_bound <= Rabs n) (d_usable : 4 * x depth_boun
 Let off q s t := Rabs (q - s / t) <= 501 / 100 * u * Rabs (s / t).
 Hypotheses (z_is : off z n d) (a_is : off a (x along_bound) (Rabs n)) (b_is : off b (x depth_bound) (Rabs d)).
 Hypothesis w_near : Rabs (w - N / D) <= 101 / 100 * / 536870912 * Rabs (N / D).
+Hypothesis z_in : / 1152921504606846976 <= Rabs z.
 
 Definition least_both : Q := 133335 # 100000.
 Definition least_rest : Q := 69 # 167772160.
 Variables c r : Q.
 Hypotheses (c_in : Q2R least_both <= Q2R c <= 141 / 100) (r_in : Q2R least_rest <= Q2R r <= 100 * u).
 
-Theorem interval_contains_it l m : computed x (error_of c r) e -> computed x low_of l -> computed x high_of m -> l <= w
+Let caps i := if Nat.eqb i quotient_1 then line 0 1 else number 1.
+Let gaps (i j : nat) := number 0.
+Theorem interval_contains_it l m : not_above (underflowP (all h32Q) caps gaps (error_of c r)) (line tiny tiny) = true ->
+  computes32 x (error_of c r) e -> computes32 x low_of l -> computes32 x high_of m -> l <= w
   <= m.
 Proof.
-  intros Ce Cl Ck.
+  intros U Ce Cl Ck.
   assert (A1 := Rabs_pos_lt _ n0). assert (D1 := Rabs_pos_lt _ d0). set (q := Rabs (n / d)) in *.
   set (A := x along_bound / Rabs n). set (B := x depth_bound / Rabs d).
   assert (bn := Rle_trans _ _ _ (Rabs_pos _) n_near). assert (bd := Rle_trans _ _ _ (Rabs_pos _) d_near).
@@ -154,14 +161,17 @@ Proof.
   assert (t_in : Rabs t <= B) by (apply Rmult_le_reg_r with (Rabs d); auto; unfold B; unfold Rdiv; rewrite Rmult_assoc,
     Rinv_l by lra; lra).
   assert (t_b := between _ _ t_in).
-  assert (D_is : D = d * (1 - t)) by (unfold t; field; auto). assert (N_is : N = n * (1 - s)) by (unfold s; field; auto).
+  assert (D_is : D = d * (1 - t)) by (unfold t; field; auto). assert (N_is : N = n * (1 - s)) by (unfold s; field;
+    auto).
   assert (t1 : 1 - t <> 0) by lra.
   assert (real : Rabs (N / D - n / d) <= 4 / 3 * (A + B) * q).
-  { rewrite N_is, D_is. replace (n * (1 - s) / (d * (1 - t)) - n / d) with (n / d * ((t - s) * / (1 - t))) by (field; auto).
+  { rewrite N_is, D_is. replace (n * (1 - s) / (d * (1 - t)) - n / d) with (n / d * ((t - s) * / (1 - t))) by (field;
+    auto).
     rewrite !Rabs_mult. fold q. assert (I : Rabs (/ (1 - t)) <= 4 / 3).
     { rewrite Rabs_pos_eq by (left; apply Rinv_0_lt_compat; lra). replace (4 / 3) with (/ (3 / 4)) by field.
     apply Rinv_le_contravar; lra. }
-    assert (S : Rabs (t - s) <= A + B) by (assert (T := Rabs_triang t (- s)); rewrite Rabs_Ropp in T; unfold Rminus; lra).
+    assert (S : Rabs (t - s) <= A + B) by (assert (T := Rabs_triang t (- s)); rewrite Rabs_Ropp in T; unfold Rminus;
+      lra).
     assert (G := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) S I).
     assert (G2 := Rmult_le_compat_l q _ _ (Rabs_pos _) G). lra. }
   assert (q0 : 0 <= q) by apply Rabs_pos. assert (T := Rabs_triang (N / D - n / d) (n / d)).
@@ -169,14 +179,17 @@ Proof.
   assert (qA : 0 <= A * q <= / 4 * q) by (split; [apply Rmult_le_pos | apply Rmult_le_compat_r]; lra).
   assert (qB : 0 <= B * q <= / 4 * q) by (split; [apply Rmult_le_pos | apply Rmult_le_compat_r]; lra).
   assert (w_off : Rabs (w - z) <= (502 / 100 * u + 6 / 100 * u) * q + 4 / 3 * (A * q + B * q)).
-  { replace (w - z) with ((w - N / D) + ((N / D - n / d) + - (z - n / d))) by ring. eapply Rle_trans; [apply Rabs_triang |].
+  { replace (w - z) with ((w - N / D) + ((N / D - n / d) + - (z - n / d))) by ring. eapply Rle_trans; [apply
+    Rabs_triang |].
     assert (T2 := Rabs_triang (N / D - n / d) (- (z - n / d))). rewrite Rabs_Ropp in T2. lra. }
   assert (z_size : (1 - 501 / 100 * u) * q <= Rabs z <= (1 + 501 / 100 * u) * q).
   { assert (T2 := Rabs_triang_inv (n / d) (n / d - z)). replace (n / d - (n / d - z)) with z in T2 by ring.
     assert (T3 := Rabs_triang (z - n / d) (n / d)). replace (z - n / d + n / d) with z in T3 by ring.
     rewrite (Rabs_minus_sym (n / d)) in T2. fold q in T2, T3. lra. }
   (* The error. *)
-  apply near in Ce. cbn -[u32 alpha Q2R] in Ce. fold z a b in Ce.
+  apply (near_at_size x caps gaps (Rabs z) (line tiny tiny)) in Ce;
+    [| lra | exact U | unfold a, b, z in *; within_sizes; rewrite Rabs_pos_eq; lra].
+  unfold line in Ce. cbn [at_size] in Ce. rewrite tiny_is in Ce. cbn -[u32 alpha Q2R] in Ce. fold z a b in Ce.
   assert (F := alpha_below 4 ltac:(lia)). simpl INR in F.
   replace (Q2R least_both) with (133335 / 100000) in c_in by (unfold Q2R, least_both; simpl; lra).
   replace (Q2R least_rest) with (69 / 10 * u) in r_in by (unfold Q2R, least_rest; simpl; lra).
@@ -192,15 +205,20 @@ Proof.
     Rmult_le_compat; lra || (apply Rmult_le_pos; lra)).
   assert (zY1 : Rabs z * Y <= Rabs z * (71 / 100)) by (apply Rmult_le_compat_l; lra).
   (* The ends. *)
-  destruct (step_sub _ _ _ _ Cl) as (z1 & e1 & C1 & C2 & L). apply given_is in C1, C2. subst z1 e1. fold z e in L.
-  destruct (step_add _ _ _ _ Ck) as (z1 & e1 & C1 & C2 & K). apply given_is in C1, C2. subst z1 e1. fold z e in K.
+  destruct (step32_sub _ _ _ _ Cl) as (z1 & e1 & C1 & C2 & L). apply given32_is in C1, C2. subst z1 e1. fold z e in L.
+  destruct (step32_add _ _ _ _ Ck) as (z1 & e1 & C1 & C2 & K). apply given32_is in C1, C2. subst z1 e1. fold z e in K.
   assert (z_b := between _ _ (Rle_refl (Rabs z))).
   assert (L1 : Rabs (z - e) <= 172 / 100 * Rabs z) by (apply Rabs_le; lra).
   assert (K1 : Rabs (z + e) <= 172 / 100 * Rabs z) by (apply Rabs_le; lra).
-  apply (at_most _ _ _ L) in L1. apply (at_most _ _ _ K) in K1. apply between in L1, K1, w_off. split; lra.
+  assert (h1 := h32_below). simpl in h1. apply (at_most32 _ _ _ _ L) in L1. apply (at_most32 _ _ _ _ K) in K1. apply
+    between in L1, K1, w_off. split; lra.
 Qed.
 End Interval.
 
+Lemma underflow_is_little : not_above (underflowP (all h32Q) (fun i => if Nat.eqb i quotient_1 then line 0 1 else
+  number 1)
+  (fun _ _ => number 0) (error_of of_both of_rest)) (line tiny tiny) = true.
+Proof. vm_compute. reflexivity. Qed.
 Lemma kernels_are_enough : (least_both <= of_both /\ of_both <= 141 # 100 /\ least_rest <= of_rest /\ of_rest <= 100 *
   u32Q)%Q.
 Proof. vm_compute. repeat split; discriminate. Qed.
@@ -208,5 +226,6 @@ Definition constants := Eval vm_compute in shown least_rest of_rest.
 Print constants.
 Definition rests := Eval vm_compute in shown (Qred of_good) (1 # 1073741824).
 Print rests.
-Definition checked := (good_is_enough, wide_is_near, nearness_is_near, interval_contains_it, kernels_are_enough).
+Definition checked := (good_is_enough, wide_is_near, nearness_is_near, interval_contains_it, underflow_is_little,
+  kernels_are_enough).
 Print Assumptions checked.

@@ -48,20 +48,26 @@ Let all := permanent x sizes.
 
 Lemma limits_value : within_limits x all all value.
 Proof.
-  unfold all. cbv [value sizes within_limits permanent].
+  unfold all. cbv [value sizes within_limits within permanent].
   repeat split; sizes_are_positive; lra.
 Qed.
 Lemma limits_bound : within_limits x all all bound.
 Proof.
-  unfold all. cbv [bound size sizes within_limits permanent].
+  unfold all. cbv [bound size sizes within_limits within permanent].
   repeat split; sizes_are_positive; lra.
 Qed.
 
 Theorem error v b : computes32 x value v -> computes32 x bound b -> Rabs (v - real x value) <= b.
 Proof.
   intros Cv Cb. assert (u0 : 0 <= u32) by apply bpow_ge_0. assert (h0 : 0 <= h32) by apply bpow_ge_0.
-  assert (Nv := computed_is_near u32 h32 u0 h0 rounds32 seen32 rounds32_near seen32_near x all all value v limits_value Cv).
-  assert (Nb := computed_is_near u32 h32 u0 h0 rounds32 seen32 rounds32_near seen32_near x all all bound b limits_bound Cb).
+  assert (fr : nat -> 0 <= h32 <= h32) by (intros; lra).
+  assert (fn : forall (i k : nat) v w, (k <= 16)%nat -> Rabs (v - x i) <= alpha u32 k * Rabs (x i) -> seen32 v w ->
+    Rabs (w - v) <= h32)
+    by (intros; now apply seen32_near).
+  assert (Nv := computed_is_near u32 h32 u0 h0 rounds32 seen32 rounds32_near seen32_near x (fun _ => h32) fr fn (fun _
+    => all) (fun _ _ => all) value v limits_value Cv).
+  assert (Nb := computed_is_near u32 h32 u0 h0 rounds32 seen32 rounds32_near seen32_near x (fun _ => h32) fr fn (fun _
+    => all) (fun _ _ => all) bound b limits_bound Cb).
   apply between in Nb. set (P := permanent x value) in *.
   assert (P0 : 0 <= P) by apply permanent_positive.
   assert (S1 : 1 <= all).
@@ -71,8 +77,10 @@ Proof.
   { unfold P, all. cbn [permanent bound value size sizes].
     rewrite !(Rabs_pos_eq (Q2R _)) by (unfold Q2R; simpl; lra). cbv [size value permanent]. ring. }
   assert (Rb : real x bound = permanent x bound).
-  { cbv [bound size sizes real permanent]. rewrite !Rabs_mult, !(Rabs_pos_eq (Q2R _)) by (unfold Q2R; simpl; lra). ring. }
-  rewrite Rb, Pb in Nb. set (S := all) in *. set (E := Rabs (v - real x value)) in *. clearbody P S E. clear - Nv Nb P0 S1.
+  { cbv [bound size sizes real permanent]. rewrite !Rabs_mult, !(Rabs_pos_eq (Q2R _)) by (unfold Q2R; simpl; lra).
+    ring. }
+  rewrite Rb, Pb in Nb. set (S := all) in *. set (E := Rabs (v - real x value)) in *. clearbody P S E. clear - Nv Nb
+    P0 S1.
   by_roundings Nv Nb.
 Qed.
 End NormalSide.

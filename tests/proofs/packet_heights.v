@@ -1,15 +1,15 @@
 (* SPDX-License-Identifier: MIT *)
-(* parallel_packets.clh: h of a triangle that a ray's line meets, the sum of e_k (height of corner k - height of P), against
-   PACKET_BOUND_OF_HEIGHT m (S + |P_w|), m = u (S + q) (77 S + 10.4 R) of packets.v (docs/numerics.md, 16).
+(* parallel_packets.clh: h of a triangle that a ray's line meets, the sum of e_k (height of corner k - height of P),
+   against PACKET_BOUND_OF_HEIGHT m (S + |P_w|), m = u (S + q) (77 S + 10.4 R) of packets.v (docs/numerics.md, 16).
      rounding_near   h from the computed coordinates: u S^2 (48.2 q + 64.4 |P_w| + 48.5 S);
      height_near     with the errors of the e and of the heights;
      corner_is_behind   a corner that is computed to be below P by PACKET_BOUND_OF_CORNER (S + R) is below it.
 
-   Assumed: computed coordinates of corners are at most 1.001 S in size, and their heights off by 4.02 u S, P's by 4.02 u R;
-   each e is off by the error in packets.v, 18.2 u (S + q) S + 9.9 u (S + q) R; the line meets the triangle, so that the
-     real
-   e have one sign, here positive, and add up to twice the area, at most 4.02 S^2; no result is below 2^-126 unless it is 0
-   (2^-64 covers underflow: prose). Overflow: coordinates are at most 2^19. *)
+   Assumed: computed coordinates of corners are at most 1.001 S in size, and their heights off by 4.02 u S, P's by
+   4.02 u R; each e is off by the error in packets.v, 18.2 u (S + q) S + 9.9 u (S + q) R; the line meets the
+   triangle, so that the real e have one sign, here positive, and add up to twice the area, at most 4.02 S^2; no
+   input exceeds 2^22. Denormals may be kept or flushed: heights are off by 2^-97 more, and each e by 2^-65, half of
+   BEAM_UNDERFLOW (packets.v). Overflow: coordinates are at most 2^19. *)
 From Coq Require Import Reals QArith Qreals Lra Psatz.
 From Flocq Require Import Core.
 Require Import Roundings Devices Filters.
@@ -44,11 +44,17 @@ Definition of_corner :=
 
 Open Scope R_scope.
 Local Notation u := (/ 16777216).
+Local Notation computed := (limited32 (2 ^ 22)).
+Local Notation z := (/ 158456325028528675187087900672).  (* 2^-97 *)
+Local Notation r := (/ 36893488147419103232).  (* 2^-65 *)
+Definition rest : Q := 1 # 1180591620717411303424.  (* 2^-70 *)
+Lemma rest_is : Q2R rest = / 1180591620717411303424.
+Proof. unfold Q2R, rest; simpl; lra. Qed.
 
 Section Height.
 Variable x : nat -> R.
 Variables S R' : R.
-Hypotheses (S0 : 0 <= S) (R0 : 0 <= R').
+Hypotheses (S0 : 0 <= S) (R0 : 0 <= R') (S_in : S <= 16777216).
 Let q := Rabs (x p_x) + Rabs (x p_y).
 Let p := Rabs (x p_z).
 Let near_corner i := Rabs (x i) <= 1001 / 1000 * S.
@@ -71,7 +77,8 @@ Lemma pair i j m n : Rabs (x i) <= m -> Rabs (x j) <= n -> Rabs (x i) * Rabs (x 
 Proof. intros. apply Rmult_le_compat; auto using Rabs_pos. Qed.
 Lemma apart i j : near_corner i -> near_corner j -> Rabs (x i - x j) <= 2002 / 1000 * S.
 Proof. unfold near_corner. intros. apply between in H. apply between in H0. apply Rabs_le. lra. Qed.
-Lemma times_apart i j k : near_corner i -> near_corner j -> near_corner k -> Rabs (x i) * Rabs (x j - x k) <= 2005 / 1000
+Lemma times_apart i j k : near_corner i -> near_corner j -> near_corner k -> Rabs (x i) * Rabs (x j - x k) <= 2005 /
+  1000
   * (S * S).
 Proof.
   intros Hi Hj Hk. assert (G := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) Hi (apart _ _ Hj Hk)).
@@ -80,7 +87,8 @@ Qed.
 Lemma both_apart i j k l : near_corner i -> near_corner j -> near_corner k -> near_corner l ->
   Rabs (x i - x j) * Rabs (x k - x l) <= 4009 / 1000 * (S * S).
 Proof.
-  intros Hi Hj Hk Hl. assert (G := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) (apart _ _ Hi Hj) (apart _ _ Hk Hl)).
+  intros Hi Hj Hk Hl. assert (G := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) (apart _ _ Hi Hj) (apart _ _ Hk
+    Hl)).
   assert (SS : 0 <= S * S) by (apply Rmult_le_pos; auto). lra.
 Qed.
 Lemma three i j k : near_corner i -> near_corner j -> near_corner k -> Rabs (x i) * Rabs (x j) * Rabs (x k) <= 1004 /
@@ -91,10 +99,12 @@ Proof.
   assert (SS : 0 <= S * S * S) by (repeat apply Rmult_le_pos; auto). lra.
 Qed.
 
-Definition of_rounding := u * (S * S * (482 / 10 * q + 644 / 10 * p + 485 / 10 * S)).
+Definition of_rounding := u * (S * S * (482 / 10 * q + 644 / 10 * p + 485 / 10 * S)) + Q2R rest.
 Theorem rounding_near v : computed x height v -> Rabs (v - real_height) <= of_rounding.
 Proof.
-  intros C. apply near in C. rewrite height_is in C. eapply Rle_trans; [exact C | clear C].
+  intros C. assert (N := near_limited (2 ^ 22) rest x height v ltac:(vm_compute; reflexivity) C). clear C. rewrite
+    height_is in N.
+  eapply Rle_trans; [exact N | clear N].
   assert (A := alpha_below 8 ltac:(lia)). simpl INR in A. change (roundings height) with 8%nat.
   assert (T1 := times_apart _ _ _ a_z_in b_y_in c_y_in). assert (T2 := times_apart _ _ _ b_z_in c_y_in a_y_in).
   assert (T3 := times_apart _ _ _ c_z_in a_y_in b_y_in). assert (T4 := times_apart _ _ _ a_z_in c_x_in b_x_in).
@@ -120,37 +130,38 @@ Qed.
 (* The real numbers: e, the corners' heights, and P's. *)
 Variables E_a E_b E_c A_w B_w C_w P_w : R.
 Hypotheses (E_a0 : 0 <= E_a) (E_b0 : 0 <= E_b) (E_c0 : 0 <= E_c) (area_in : E_a + E_b + E_c <= 402 / 100 * (S * S)).
-Definition of_e := u * ((S + q) * (182 / 10 * S + 99 / 10 * R')).
+Definition of_e := u * ((S + q) * (182 / 10 * S + 99 / 10 * R')) + r.
 Hypotheses (e_a_near : Rabs (e_a - E_a) <= of_e) (e_b_near : Rabs (e_b - E_b) <= of_e) (e_c_near : Rabs (e_c - E_c) <=
   of_e).
-Let near_height i w s := Rabs (x i - w) <= 402 / 100 * u * s.
+Let near_height i w s := Rabs (x i - w) <= 402 / 100 * u * s + z.
 Hypotheses (a_w_near : near_height a_z A_w S) (b_w_near : near_height b_z B_w S) (c_w_near : near_height c_z C_w S).
 Hypothesis p_w_near : near_height p_z P_w R'.
-Definition m := u * ((S + q) * (772 / 10 * S + 104 / 10 * R')).
+Definition m := u * ((S + q) * (772 / 10 * S + 104 / 10 * R')) + r.
 Definition least_factor : Q := 442 # 100.
 
 Lemma term_near f F i w : near_corner i -> Rabs (f - F) <= of_e -> 0 <= F -> near_height i w S ->
-  Rabs (f * (x i - x p_z) - F * (w - P_w)) <= of_e * (1001 / 1000 * S + p) + F * (402 / 100 * u * (S + R')).
+  Rabs (f * (x i - x p_z) - F * (w - P_w)) <= of_e * (1001 / 1000 * S + p) + F * (402 / 100 * u * (S + R') + 2 * z).
 Proof.
   intros Hi Hf F0 Hw. replace (f * (x i - x p_z) - F * (w - P_w)) with ((f - F) * (x i - x p_z) + F * ((x i - w) + - (x
     p_z - P_w))) by ring.
   eapply Rle_trans; [apply Rabs_triang |]. rewrite !Rabs_mult, (Rabs_pos_eq F) by assumption.
   assert (D : Rabs (x i - x p_z) <= 1001 / 1000 * S + p).
   { unfold Rminus. eapply Rle_trans; [apply Rabs_triang |]. rewrite Rabs_Ropp. unfold near_corner, p in *. lra. }
-  assert (H : Rabs (x i - w + - (x p_z - P_w)) <= 402 / 100 * u * (S + R')).
+  assert (H : Rabs (x i - w + - (x p_z - P_w)) <= 402 / 100 * u * (S + R') + 2 * z).
   { eapply Rle_trans; [apply Rabs_triang |]. rewrite Rabs_Ropp. unfold near_height in *. lra. }
-  assert (G1 := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) Hf D). assert (G2 := Rmult_le_compat_l _ _ _ F0 H). lra.
+  assert (G1 := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) Hf D). assert (G2 := Rmult_le_compat_l _ _ _ F0 H).
+    lra.
 Qed.
 
 Theorem height_near v : computed x height v ->
-  Rabs (v - (E_a * (A_w - P_w) + E_b * (B_w - P_w) + E_c * (C_w - P_w))) <= Q2R least_factor * (m * (S + p)).
+  Rabs (v - (E_a * (A_w - P_w) + E_b * (B_w - P_w) + E_c * (C_w - P_w))) <= Q2R least_factor * (m * (S + p)) + Q2R rest.
 Proof.
   intros C. assert (N := rounding_near _ C). assert (q0 : 0 <= q) by (apply Rplus_le_le_0_compat; apply Rabs_pos).
   assert (p0 : 0 <= p) by apply Rabs_pos.
   assert (T1 := term_near _ _ _ _ a_z_in e_a_near E_a0 a_w_near).
   assert (T2 := term_near _ _ _ _ b_z_in e_b_near E_b0 b_w_near).
   assert (T3 := term_near _ _ _ _ c_z_in e_c_near E_c0 c_w_near).
-  assert (D0 : 0 <= 402 / 100 * u * (S + R')) by lra.
+  assert (D0 : 0 <= 402 / 100 * u * (S + R') + 2 * z) by lra.
   assert (G := Rmult_le_compat_r _ _ _ D0 area_in).
   replace (Q2R least_factor) with (442 / 100) by (unfold Q2R, least_factor; simpl; lra).
   assert (P := fun s t r a b c => Rmult_le_pos (s * t) r (Rmult_le_pos s t a b) c).
@@ -158,24 +169,26 @@ Proof.
   assert (M4 := P _ _ _ S0 S0 R0).
   assert (M5 := P _ _ _ S0 q0 p0). assert (M6 := P _ _ _ S0 R0 p0). assert (M7 := P _ _ _ S0 q0 R0).
   assert (M8 := P _ _ _ q0 R0 p0).
-  unfold of_rounding, real_height, m, of_e in *. apply between in N, T1, T2, T3. apply Rabs_le. lra.
+  assert (SS := Rmult_le_compat_l _ _ _ S0 S_in).
+  unfold of_rounding, real_height, m, of_e in *. rewrite rest_is in *. apply between in N, T1, T2, T3. apply Rabs_le.
+    lra.
 Qed.
 End Height.
 
-(* g and w are computed heights, r what w is lowered by, with 5 roundings, and t the difference. *)
+(* g and w are computed heights, l what w is lowered by, c (S + R) + 2^-64 with 5 roundings, and t the difference. *)
 Definition least_corner : Q := 52 # 167772160.
-Theorem corner_is_behind c S R' g G w W r t : 0 <= S -> 0 <= R' -> Rabs (g - G) <= 402 / 100 * u * S -> Rabs (w - W) <=
-  402 / 100 * u * R' ->
-  Rabs w <= 1001 / 1000 * R' -> Q2R least_corner <= Q2R c <= 100 * u -> Rabs (r - Q2R c * (S + R')) <= 6 * u * (Q2R c *
-    (S + R')) ->
-  Rabs (t - (w - r)) <= u * Rabs (w - r) -> g < t -> G < W \/ S = 0 /\ R' = 0.
+Theorem corner_is_behind c S R' g G w W l t : 0 <= S -> 0 <= R' -> Rabs (g - G) <= 402 / 100 * u * S + z ->
+  Rabs (w - W) <= 402 / 100 * u * R' + z -> Rabs w <= 1001 / 1000 * R' -> Q2R least_corner <= Q2R c <= 100 * u ->
+  Rabs (l - (Q2R c * (S + R') + 2 * r)) <= 6 * u * (Q2R c * (S + R') + 2 * r) ->
+  Rabs (t - (w - l)) <= u * Rabs (w - l) + 4 * h32 -> g < t -> G < W.
 Proof.
-  intros S0 R0 Hg Hw w_in Hc Hr Ht H. replace (Q2R least_corner) with (52 / 10 * u) in Hc by (unfold Q2R, least_corner;
+  intros S0 R0 Hg Hw w_in Hc Hl Ht H. replace (Q2R least_corner) with (52 / 10 * u) in Hc by (unfold Q2R, least_corner;
     simpl; lra).
-  assert (B := Rmult_le_compat_r (S + R') _ _ ltac:(lra) (proj1 Hc)).
+  assert (B := Rmult_le_compat_r (S + R') _ _ ltac:(lra) (proj1 Hc)). assert (h := h32_below). simpl in h.
   assert (B' := Rmult_le_compat_r (S + R') _ _ ltac:(lra) (proj2 Hc)).
-  apply between in Hg, Hw, w_in, Hr. assert (D : Rabs (w - r) <= 1002 / 1000 * (S + R')) by (apply Rabs_le; lra).
-  apply (at_most _ _ _ Ht) in D. apply between in D. destruct (Rle_dec (S + R') 0); [right | left]; lra.
+  apply between in Hg, Hw, w_in, Hl. assert (D : Rabs (w - l) <= 1002 / 1000 * (S + R') + 3 * r) by (apply Rabs_le;
+    lra).
+  apply (at_most32 _ _ _ _ Ht) in D. apply between in D. lra.
 Qed.
 
 Definition kernels_corner : Q := match of_corner with Const c => c | _ => 0%Q end.

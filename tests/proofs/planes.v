@@ -1,14 +1,18 @@
 (* SPDX-License-Identifier: MIT *)
-(* triangle_records.clh, set_plane_parallel(): how far a plane's height at a point of the grid may be from the real plane's
+(* triangle_records.clh, set_plane_parallel(): how far a plane's height at a point of the grid may be from the real
+  plane's
    at the real point (docs/numerics.md, 4). Three parts, each a theorem:
      rounding              the computed height, from the record's numbers: 20 u L;
      n_x_near and so on    the normal: delta_x, delta_y, delta_z;
      plane_moves           what errors of normal, corner and point do to the height: the margin's quotient and error_z.
    height_error on top is the point's own.
 
-   Assumed: x and y of corners are off by at most `error`, z by error_z (projection.v); |X|, |Y|, |a_x| and |a_y| are at most
-   what L multiplies the slopes with; a quotient is off by 2.5 ulp; no result is below 2^-126 unless it is 0 (2^-90 in the
-   errors covers underflow: prose). `safe_n_z` subtracts 1.01 delta_z and rounds once: at most |n_z| less the real delta_z.
+   Assumed: x and y of corners are off by at most `error`, z by error_z (projection.v); |X|, |Y|, |a_x| and |a_y| are
+     at most
+   what L multiplies the slopes with; a quotient is off by 2.5 ulp; no result is below 2^-126 unless it is 0 (2^-90 in
+     the
+   errors covers underflow: prose). `safe_n_z` subtracts 1.01 delta_z and rounds once: at most |n_z| less the real
+     delta_z.
    Overflow: no height is certain where the margin is infinite. *)
 From Coq Require Import Reals QArith Qreals Lra Psatz.
 From Flocq Require Import Core.
@@ -160,7 +164,8 @@ Proof.
   assert (X0 := Rabs_pos (x X)). assert (Y0 := Rabs_pos (x Y)).
   assert (G4 := Rabs_pos_eq (x greater_4) ltac:(lra)). assert (G5 := Rabs_pos_eq (x greater_5) ltac:(lra)).
   assert (two : Rabs (Q2R 2) = Q2R 2) by (unfold Q2R; simpl; rewrite Rabs_pos_eq; lra).
-  intros. eapply float_error_of_normal_numbers with (size := twice) (m := any) (d := any); try eassumption.
+  intros. eapply float_error_of_normal_numbers with (size := twice) (m := fun _ => any) (d := fun _ _ => any); try
+    eassumption.
   - vm_compute. reflexivity.
   - apply products.
   - cbv [twice largest margin real permanent]. rewrite two, G4, G5. reflexivity.
@@ -195,7 +200,7 @@ Hypotheses (z1_near : Rabs (z1 - (x b_z - x a_z)) <= e_z) (z2_near : Rabs (z2 - 
 Lemma normal_near n v : roundings n = 4%nat -> computes_normal x n v -> within_limits x (Q2R any) (Q2R any) n ->
   Rabs (v - real x n) <= (1 + / 1048576) * (permanent x n * / 4194304).
 Proof.
-  intros Hr C L. assert (N := error_of_normal_numbers x any any n v L C). rewrite Hr in N.
+  intros Hr C L. assert (N := error_of_normal_numbers x (fun _ => any) (fun _ _ => any) n v L C). rewrite Hr in N.
   assert (G := Rmult_le_compat_r _ _ _ (permanent_positive x n) four_roundings). lra.
 Qed.
 
@@ -226,7 +231,8 @@ Theorem n_z_near v : own_errors n_z v -> Rabs ((x1 * y2 - y1 * x2) - v) <= (1 + 
 Proof. intros [C L]. near x1_near y2_near y1_near x2_near v C L n_z. errors_are_positive. lra. Qed.
 End Plane.
 
-(* The heights of two planes: z through `a` with the normal n, as they are computed, and Z through A with the normal m, the
+(* The heights of two planes: z through `a` with the normal n, as they are computed, and Z through A with the normal
+  m, the
    real one, at points whose places relative to a and A, (P, Q) and (X, Y), are within E. *)
 Section Moved.
 Open Scope R_scope.
@@ -258,11 +264,13 @@ Proof.
   { unfold T, Rdiv. rewrite Rabs_mult, Rabs_inv. apply Rmult_le_compat_r.
     - left. apply Rinv_0_lt_compat, Rabs_pos_lt, nonzero.
     - eapply Rle_trans; [apply Rabs_triang |].
-      assert (G1 := times _ _ _ _ (Rle_refl (Rabs n_x)) P_in). assert (G2 := times _ _ _ _ (Rle_refl (Rabs n_y)) Q_in). lra. }
+      assert (G1 := times _ _ _ _ (Rle_refl (Rabs n_x)) P_in). assert (G2 := times _ _ _ _ (Rle_refl (Rabs n_y))
+        Q_in). lra. }
   apply Rmult_le_compat; auto using Rabs_pos.
   - left. apply Rinv_0_lt_compat, Rabs_pos_lt, M.
   - unfold K.
-    assert (T1 := Rabs_triang ((m_x - n_x) * X) ((m_y - n_y) * Y + ((n_x * (X - P) + n_y * (Y - Q)) + - ((m_z - n_z) * T)))).
+    assert (T1 := Rabs_triang ((m_x - n_x) * X) ((m_y - n_y) * Y + ((n_x * (X - P) + n_y * (Y - Q)) + - ((m_z - n_z) *
+      T)))).
     assert (T2 := Rabs_triang ((m_y - n_y) * Y) ((n_x * (X - P) + n_y * (Y - Q)) + - ((m_z - n_z) * T))).
     assert (T3 := Rabs_triang (n_x * (X - P) + n_y * (Y - Q)) (- ((m_z - n_z) * T))). rewrite Rabs_Ropp in T3.
     assert (T4 := Rabs_triang (n_x * (X - P)) (n_y * (Y - Q))).
@@ -273,7 +281,8 @@ Proof.
 Qed.
 End Moved.
 
-(* What the margin multiplies with 1.01 has only positive terms, so that it is computed at least at this much of its size;
+(* What the margin multiplies with 1.01 has only positive terms, so that it is computed at least at this much of its
+  size;
    the quotients have met 5 roundings more each. *)
 Definition deepest := (roundings margin + roundings quotient_4_over + roundings quotient_4_under + 10)%nat.
 Lemma inflation_is_enough : Qle_bool (1 + (1 # 2 ^ 20)) (inflation * (1 - alphaQ u32Q deepest)) = true.

@@ -1,14 +1,18 @@
 (* SPDX-License-Identifier: MIT *)
-(* triangle_records.clh, set_plane_perspective(): how far 1 / W of a plane at a point of the grid may be from the real one
+(* triangle_records.clh, set_plane_perspective(): how far 1 / W of a plane at a point of the grid may be from the real
+  one
    (docs/numerics.md, 4). Four theorems:
      rounding         the computed height, from the record's numbers: 8 u L;
      products_near    N . p from the rounded N: delta_np's term of products;
      cross_moves      N . p: delta_np's other terms, from the errors of two sides;
      quotient_moves   what the errors of N . p and det do to their quotient.
 
-   Assumed: |X|, |Y| <= reach; a quotient is off by 2.5 ulp; no result is below 2^-126 unless it is 0 (UNDERFLOW covers it:
-   prose). In prose: the roundings of N . a, where the triangle straddles the light as here and where it does not; the point's
-   height, 2 L height_error. The 1 % covers the margin's own roundings (planes.v). Overflow: no height is certain where the margin is infinite. *)
+   Assumed: |X|, |Y| <= reach; a quotient is off by 2.5 ulp; no result is below 2^-126 unless it is 0 (UNDERFLOW
+     covers it:
+   prose). In prose: the roundings of N . a, where the triangle straddles the light as here and where it does not; the
+     point's
+   height, 2 L height_error. The 1 % covers the margin's own roundings (planes.v). Overflow: no height is certain
+     where the margin is infinite. *)
 From Coq Require Import Reals QArith Qreals Lra Psatz.
 From Flocq Require Import Core.
 Require Import Roundings Devices Filters.
@@ -183,7 +187,8 @@ Theorem rounding v s :
   computes_normal x height v -> computes_normal x largest s -> 0 <= s -> Rabs (v - real x height) <= Q2R constant * s.
 Proof.
   assert (P := Rabs_pos_eq _ error_positive). assert (S := Rabs_pos_eq _ side_positive).
-  intros. eapply float_error_of_normal_numbers with (size := largest) (m := any) (d := any); try eassumption.
+  intros. eapply float_error_of_normal_numbers with (size := largest) (m := fun _ => any) (d := fun _ _ => any); try
+    eassumption.
   - vm_compute. reflexivity.
   - apply products.
   - cbv [largest margin real permanent]. rewrite P, S. reflexivity.
@@ -203,9 +208,10 @@ Proof.
   intros C1 L1 C2 L2 C3 L3.
   assert (near : forall e v, roundings e = 4%nat -> computes_normal x e v -> within_limits x (Q2R any) (Q2R any) e ->
     Rabs (v - real x e) <= (1 + / 1048576) * / 4194304 * permanent x e).
-  { intros e v He C L. assert (N := error_of_normal_numbers x any any e v L C). rewrite He in N.
+  { intros e v He C L. assert (N := error_of_normal_numbers x (fun _ => any) (fun _ _ => any) e v L C). rewrite He in N.
     assert (G := Rmult_le_compat_r _ _ _ (permanent_positive x e) four_roundings). lra. }
-  assert (N1 := near quotient_1_over _ eq_refl C1 L1). assert (N2 := near quotient_2_over _ eq_refl C2 L2). assert (N3 := near quotient_3_over _ eq_refl C3 L3).
+  assert (N1 := near quotient_1_over _ eq_refl C1 L1). assert (N2 := near quotient_2_over _ eq_refl C2 L2). assert (N3
+    := near quotient_3_over _ eq_refl C3 L3).
   replace (n_x * x X + n_y * x Y + n_w - (real x quotient_1_over * x X + real x quotient_2_over * x Y +
     real x quotient_3_over)) with ((n_x - real x quotient_1_over) * x X + ((n_y - real x quotient_2_over) * x Y +
     (n_w - real x quotient_3_over))) by ring.
@@ -246,7 +252,8 @@ Proof.
   apply between in A. apply between in B. apply Rabs_le. lra.
 Qed.
 
-(* Z = N . p / det: n and D are the computed ones, n_p is n . p at the computed point, m_p the real N . p at the real point,
+(* Z = N . p / det: n and D are the computed ones, n_p is n . p at the computed point, m_p the real N . p at the real
+  point,
    E the real determinant; L is at least |n_p / D|. *)
 Theorem quotient_moves n_p m_p D E d_p d_D L :
   Rabs (m_p - n_p) <= d_p -> Rabs (E - D) <= d_D -> Rabs (n_p / D) <= L -> d_D < Rabs D ->
@@ -255,7 +262,8 @@ Proof.
   intros Hp HD HL steep.
   assert (D0 : D <> 0) by (intros ->; rewrite Rabs_R0 in steep; assert (S := Rabs_pos (E - 0)); lra).
   assert (least : Rabs D - d_D <= Rabs E).
-  { assert (T := Rabs_triang_inv D (D - E)). replace (D - (D - E)) with E in T by ring. rewrite Rabs_minus_sym in HD. lra. }
+  { assert (T := Rabs_triang_inv D (D - E)). replace (D - (D - E)) with E in T by ring. rewrite Rabs_minus_sym in HD.
+    lra. }
   assert (E0 : E <> 0) by (intros ->; rewrite Rabs_R0 in least; lra).
   replace (m_p / E - n_p / D) with (((m_p - n_p) + - (n_p / D * (E - D))) * / E) by (field; auto).
   rewrite Rabs_mult, Rabs_inv. apply Rmult_le_compat; auto using Rabs_pos.

@@ -93,7 +93,8 @@ Theorem error v s :
 Proof.
   assert (E0 := Rabs_pos (x eye_x)). assert (A0 := Rabs_pos (x a_x)).
   assert (HE := Rabs_pos_eq (x E) ltac:(lra)). assert (HA := Rabs_pos_eq (x A) ltac:(lra)).
-  intros. eapply float_error_of_normal_numbers with (size := thrice) (m := any) (d := any); try eassumption.
+  intros. eapply float_error_of_normal_numbers with (size := thrice) (m := fun _ => any) (d := fun _ _ => any); try
+    eassumption.
   - vm_compute. reflexivity.
   - apply products.
   - cbv [thrice size real permanent]. rewrite !HE, HA.

@@ -1,7 +1,8 @@
 (* SPDX-License-Identifier: MIT *)
 (* projection.h: a coordinate of a projected vertex is off by at most PROJECTION_ERROR g, here with what underflow adds.
 
-   Assumed: a row's entries are within 4 roundings of the real map's (prose: they are a quotient and products on the host
+   Assumed: a row's entries are within 4 roundings of the real map's (prose: they are a quotient and products on the
+     host
    or device), and at most 2^32; the vertex and the centre are finite floats, at most 2^31 apart in each coordinate.
    Overflow: nothing exceeds 2^65. *)
 From Coq Require Import Reals QArith Lra Psatz.
@@ -47,7 +48,8 @@ Theorem error v s :
   computes32 x value v -> computes32 x size s -> 0 <= s ->
   Rabs (v - real x value) <= Q2R bound_constant * s + Q2R bound_rest.
 Proof.
-  intros. eapply float_error with (size := size); try eassumption.
+  intros. eapply float_error with (size := size) (f := all h32Q) (m := all (2 ^ 32)) (d := apart (2 ^ 31)); try
+    eassumption; try exact (all_may_lose x).
   - vm_compute. reflexivity.
   - cbv [value size permanent].
     assert (P := fun i j k => Rmult_le_pos _ _ (Rabs_pos (x i)) (Rabs_pos (x j - x k))).
@@ -59,11 +61,13 @@ Proof.
       ((Rabs (x row_2) + (Rabs (x row) + Rabs (x row_1))) * Q2R (1 # 1048576))).
     { apply Rmult_le_pos; [lra |]. apply Rmult_le_pos; [lra |]. unfold Q2R; simpl; lra. }
     lra.
-  - cbv [size real permanent]. rewrite ?Rabs_Rabsolu. rewrite ?(Rabs_pos_eq (Q2R _)) by (unfold Q2R; simpl; lra). reflexivity.
+  - cbv [size real permanent]. rewrite ?Rabs_Rabsolu. rewrite ?(Rabs_pos_eq (Q2R _)) by (unfold Q2R; simpl; lra).
+    reflexivity.
 Qed.
 End Projection.
 Definition constants := Eval vm_compute in shown (least_bound) (bound_constant).
 Print constants.
-Definition rests := Eval vm_compute in shown (least_rest u32Q h32Q (2 ^ 32) (2 ^ 31) value size) bound_rest.
+Definition rests := Eval vm_compute in shown (least_rest u32Q h32Q (all h32Q) (all (2 ^ 32)) (apart (2 ^ 31)) value
+  size) bound_rest.
 Print rests.
 Print Assumptions error.

@@ -1,15 +1,20 @@
 (* SPDX-License-Identifier: MIT *)
-(* strip_triangle.clh: the slopes at which a strip meets a triangle, against SLOPE_ERROR (height + slope x distance) / q, and
+(* strip_triangle.clh: the slopes at which a strip meets a triangle, against SLOPE_ERROR (height + slope x distance) /
+  q, and
    the height of a triangle's plane over the point, against 2^-17 farthest^2 highest. From the corners' coordinates on:
      q_near, across_near, height_near   a corner's numbers: 4e-7 of its distance, and 2 roundings;
      between_near, corner_near          the slope of a place of an edge, and of a corner;
      over_near                          the height over the point.
 
-   Assumed: a sector's vectors are unit vectors times `halves`, off by two roundings, so no coordinate exceeds `halves`; a
-   quotient is off by 2.5 ulp; no result is below 2^-126 unless it is 0; areas are off by 2^-19 farthest^2 (horizons.v) and
-   at most 2.01 farthest^2; no q exceeds 1.001 farthest, no height `highest`; a corner within the strip is at most 64 q away
+   Assumed: a sector's vectors are unit vectors times `halves`, off by two roundings, so no coordinate exceeds
+     `halves`; a
+   quotient is off by 2.5 ulp; no result is below 2^-126 unless it is 0; areas are off by 2^-19 farthest^2
+     (horizons.v) and
+   at most 2.01 farthest^2; no q exceeds 1.001 farthest, no height `highest`; a corner within the strip is at most 64
+     q away
    (its width is at most 40 q). In prose (strip_triangle.clh): a place on an edge that is computed lies on the real edge
-   within STRIP_MARGIN of the strip's side. may_touch() compares with 2^-19 of the distance, the areas' constant, where q and
+   within STRIP_MARGIN of the strip's side. may_touch() compares with 2^-19 of the distance, the areas' constant,
+     where q and
    across need 6 u and the width 8 u. Overflow: coordinates are below 2^20 half cells, heights below 2^20 units. *)
 From Coq Require Import Reals QArith Qreals Lra Psatz.
 From Flocq Require Import Core.
@@ -50,6 +55,7 @@ Definition height :=
   Mul (Given units 0) (Diff a_z at_z).
 Definition distance :=
   Mul (Add (Abs (Diff a_x at_x)) (Abs (Diff a_y at_y))) (Given halves 0).
+Definition distance_rest : Q := 1 # 1099511627776.
 Definition quotient_1_over :=
   Const (1 # 1).
 Definition quotient_1_under :=
@@ -101,7 +107,8 @@ Proof.
   assert (A5 := alpha_below 5 ltac:(lia)). assert (A3 := alpha_below 3 ltac:(lia)). simpl INR in A5, A3.
   assert (Z5 : 0 <= alpha u32 5) by (apply alpha_positive; apply bpow_ge_0).
   assert (E5 : alpha u32 5 * (Rabs (x s) * p + Rabs (x t) * r) <= (1 + 1 + 1 + 1 + 1) * (1 + / 1048576) * / 16777216 *
-    ((p + r) * x halves)) by (apply Rmult_le_compat; auto; apply Rplus_le_le_0_compat; apply Rmult_le_pos; auto using Rabs_pos).
+    ((p + r) * x halves)) by (apply Rmult_le_compat; auto; apply Rplus_le_le_0_compat; apply Rmult_le_pos; auto using
+      Rabs_pos).
   assert (E3 := Rmult_le_compat_r _ _ _ D0 A3). apply between in Cd. lra.
 Qed.
 
@@ -151,8 +158,10 @@ Proof.
     by (unfold t; field; repeat split; lra).
   replace ((Rabs s * F + h) * S / v_q) with (Rabs s * (F * t) + h * t) by (unfold t; field; repeat split; lra).
   assert (s_size : Rabs r <= (1 + 1 / 1000000) * Rabs s).
-  { assert (r0 := Rabs_pos r). assert (U := Rabs_triang_inv r (r - s)). replace (r - (r - s)) with s in U by ring. rewrite Rabs_minus_sym in Hs. lra. }
-  assert (G3 := Rmult_le_compat_r _ _ _ Ft s_size). assert (0 <= Rabs s * (F * t)) by (apply Rmult_le_pos; auto using Rabs_pos).
+  { assert (r0 := Rabs_pos r). assert (U := Rabs_triang_inv r (r - s)). replace (r - (r - s)) with s in U by ring.
+    rewrite Rabs_minus_sym in Hs. lra. }
+  assert (G3 := Rmult_le_compat_r _ _ _ Ft s_size). assert (0 <= Rabs s * (F * t)) by (apply Rmult_le_pos; auto using
+    Rabs_pos).
   assert (ht : 0 <= h * t) by (apply Rmult_le_pos; lra). lra.
 Qed.
 
@@ -176,7 +185,8 @@ Lemma mean_near a b A B e : Rabs (a - A) <= e -> Rabs (b - B) <= e ->
 Proof.
   intros Ha Hb. replace (x size_j * a + x size_i * b - (x size_j * A + x size_i * B)) with
     (x size_j * (a - A) + x size_i * (b - B)) by ring.
-  eapply Rle_trans; [apply Rabs_triang |]. rewrite !Rabs_mult, (Rabs_pos_eq (x size_i)), (Rabs_pos_eq (x size_j)) by assumption.
+  eapply Rle_trans; [apply Rabs_triang |]. rewrite !Rabs_mult, (Rabs_pos_eq (x size_i)), (Rabs_pos_eq (x size_j)) by
+    assumption.
   assert (P := Rmult_le_compat_l _ _ _ sizes_j Ha). assert (Q := Rmult_le_compat_l _ _ _ sizes_i Hb). unfold S. lra.
 Qed.
 Lemma mean_in a b M : Rabs a <= M -> Rabs b <= M -> Rabs a * x size_j + Rabs b * x size_i <= M * S.
@@ -191,7 +201,8 @@ Lemma mean_computed a b e v M : e = Fma (Given a 0) (Given size_j 0) (Mul (Given
   Rabs (x a) <= M -> Rabs (x b) <= M -> computed x e v ->
   Rabs (v - (x size_j * x a + x size_i * x b)) <= 2001 / 1000 * / 16777216 * (M * S).
 Proof.
-  intros -> Ha Hb C. apply near in C. cbn -[u32 alpha] in C. rewrite (Rabs_pos_eq (x size_i)), (Rabs_pos_eq (x size_j)) in C by assumption.
+  intros -> Ha Hb C. apply near in C. cbn -[u32 alpha] in C. rewrite (Rabs_pos_eq (x size_i)), (Rabs_pos_eq (x
+    size_j)) in C by assumption.
   assert (A := alpha_below 2 ltac:(lia)). simpl INR in A. assert (P := mean_in _ _ M Ha Hb).
   assert (Z : 0 <= alpha u32 2) by (apply alpha_positive; apply bpow_ge_0).
   assert (P0 : 0 <= Rabs (x a) * x size_j + Rabs (x b) * x size_i).
@@ -232,7 +243,8 @@ Theorem corner_near s d :
   Rabs (s - H_i / Q_i) <= of_slope * ((Rabs s * x farthest + x highest) * 1 / x q_i).
 Proof.
   intros Hq [d0 Hd] far q0 Hs.
-  eapply Rle_trans; [apply slope_moves with (v_h := x height_i) (v_q := x q_i) (F := d) (h := x highest) (S := 1); auto; lra |].
+  eapply Rle_trans; [apply slope_moves with (v_h := x height_i) (v_q := x q_i) (F := d) (h := x highest) (S := 1);
+    auto; lra |].
   assert (I := Rinv_0_lt_compat _ q0). assert (P := Rmult_le_compat_l _ _ _ (Rabs_pos s) Hd).
   assert (G : (Rabs s * d + x highest) * 1 / x q_i <= (Rabs s * x farthest + x highest) * 1 / x q_i).
   { unfold Rdiv. apply Rmult_le_compat_r; lra. }
@@ -279,9 +291,11 @@ Proof.
 Qed.
 
 (* 2^-17 less the bound's own roundings. *)
-Theorem over_near v : computed x over v -> Rabs (v - (A * H + B * I + C * J)) <= 1271 / 10 * / 16777216 * (F * x highest).
+Theorem over_near v : computed x over v -> Rabs (v - (A * H + B * I + C * J)) <= 1271 / 10 * / 16777216 * (F * x
+  highest).
 Proof.
-  intros Cv. apply near in Cv. cbn -[u32 alpha Q2R] in Cv. replace (Q2R (0 # 1)) with 0 in Cv by (unfold Q2R; simpl; lra). rewrite Rabs_R0 in Cv.
+  intros Cv. apply near in Cv. cbn -[u32 alpha Q2R] in Cv. replace (Q2R (0 # 1)) with 0 in Cv by (unfold Q2R; simpl;
+    lra). rewrite Rabs_R0 in Cv.
   destruct (term_near _ _ _ _ a_x h_i) as [N1 I1]. destruct (term_near _ _ _ _ a_y h_j) as [N2 I2].
   destruct (term_near _ _ _ _ a_z h_k) as [N3 I3].
   assert (A3 := alpha_below 3 ltac:(lia)). simpl INR in A3.

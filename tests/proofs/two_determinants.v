@@ -1,9 +1,12 @@
 (* SPDX-License-Identifier: MIT *)
-(* backfacing.cl: the sign of the sum of two determinants, det(u, v, a) + det(u, v, b) (docs/numerics.md, 14). The sum is
+(* backfacing.cl: the sign of the sum of two determinants, det(u, v, a) + det(u, v, b) (docs/numerics.md, 14). The sum
+  is
    certain where it exceeds 1.01 times both bounds of det3_float.v, in double 1 + 2^-6 times those of det3_double.v.
 
-   Assumed: as in those two files: no difference exceeds 2^21 and no size is below 2^-40 (float, denormals flushed or not);
-   in double nothing is a denormal, and where both bounds are 0 every product is (prose). Overflow: nothing exceeds 2^67. *)
+   Assumed: as in those two files: no difference exceeds 2^21 and no size is below 2^-40 (float, denormals flushed or
+     not);
+   in double nothing is a denormal, and where both bounds are 0 every product is (prose). Overflow: nothing exceeds
+     2^67. *)
 From Coq Require Import Reals QArith Qreals Lra Psatz.
 From Flocq Require Import Core.
 Require Import Roundings Devices Filters.
@@ -120,8 +123,12 @@ Proof.
     assert (rn : forall y w, rounds32 y w -> Rabs (w - y) <= Q2R u32Q * Rabs y + Q2R h32Q).
     { rewrite u32_is, h32_is. apply rounds32_near. }
     assert (sn : forall y w, seen32 y w -> Rabs (w - y) <= Q2R h32Q) by (rewrite h32_is; apply seen32_near).
+    assert (fr : forall i, 0 <= Q2R (all h32Q i) <= Q2R h32Q) by (intros; split; [exact h0 | apply Rle_refl]).
+    assert (fn : forall i k v w, (k <= 16)%nat -> Rabs (v - x i) <= alpha (Q2R u32Q) k * Rabs (x i) -> seen32 v w ->
+      Rabs (w - v) <= Q2R (all h32Q i)) by (intros; now apply sn).
     unfold computes32 in *. rewrite <- u32_is in *.
-    destruct which as [[-> ->] | [-> ->]]; eapply (filter_is_right u32Q h32Q 0 (2 ^ 21) rounds32 seen32 u0 h0 rn sn);
+    destruct which as [[-> ->] | [-> ->]]; eapply (filter_is_right u32Q h32Q (all h32Q) (all 0) (apart (2 ^ 21))
+      rounds32 seen32 u0 h0 rn sn x fr fn);
       try eassumption; try (vm_compute; reflexivity);
       cbv [one other size_one size_other real permanent]; same_products.
   - apply rounds32_near in B. apply seen32_near in T. rewrite u_is, h_is in *. unfold least in S.
@@ -165,9 +172,13 @@ Proof.
   assert (rn : forall y w, rounds64 y w -> Rabs (w - y) <= Q2R u64Q * Rabs y + Q2R 0).
   { rewrite u64_is, Q2R_0'. apply rounds64_near. }
   assert (sn : forall y w, seen64 y w -> Rabs (w - y) <= Q2R 0) by (rewrite Q2R_0'; apply seen64_near).
+  assert (fr : forall i, 0 <= Q2R (all 0 i) <= Q2R 0) by (rewrite Q2R_0'; exact nothing_flushed_range).
+  assert (fn : forall i k v w, (k <= 16)%nat -> Rabs (v - x i) <= alpha (Q2R u64Q) k * Rabs (x i) -> seen64 v w ->
+    Rabs (w - v) <= Q2R (all 0 i)) by (intros; now apply nothing_flushed_near).
   unfold computes64 in *. rewrite <- u64_is in *. assert (h0 : 0 <= Q2R 0) by (rewrite Q2R_0'; lra).
   assert (S' : Q2R 0 <= s) by (rewrite Q2R_0'; exact S). assert (seen_s : seen64 s s) by reflexivity.
-  destruct which as [[-> ->] | [-> ->]]; eapply (filter_is_right u64Q 0 any64 any64 rounds64 seen64 u0 h0 rn sn);
+  destruct which as [[-> ->] | [-> ->]]; eapply (filter_is_right u64Q 0 (all 0) (all any64) (apart any64) rounds64
+    seen64 u0 h0 rn sn x fr fn);
     try eassumption; try (vm_compute; reflexivity);
     cbv [one other wide_one wide_other real permanent]; same_products.
 Qed.
@@ -189,7 +200,8 @@ Proof.
     inversion Ce as [ | | | ? ? s1 t1 ? Cs1 T1 R1 | | | | | | ]; subst.
     inversion Cf as [ | | | ? ? s2 t2 ? Cs2 T2 R2 | | | | | | ]; subst.
     unfold seen64 in T1, T2. subst t1 t2. exists e, f.
-    assert (N1 := wide_is_near one wide_one _ _ _ ltac:(auto) (in_range _) (in_range _) Cp Cs1 (S _ (or_introl Cs1)) R1).
+    assert (N1 := wide_is_near one wide_one _ _ _ ltac:(auto) (in_range _) (in_range _) Cp Cs1 (S _ (or_introl Cs1))
+      R1).
     assert (N2 := wide_is_near other wide_other _ _ _ ltac:(auto) (in_range _) (in_range _) Cq Cs2 (S _ (or_intror Cs2))
       R2).
     assert (e0 := Rle_trans _ _ _ (Rabs_pos _) N1). assert (f0 := Rle_trans _ _ _ (Rabs_pos _) N2).

@@ -20,16 +20,19 @@ RUN = {
     ("CONTRIBUTING.md", ""): (2, [SHELL]),  # what the commands print
     ("docs/embedding.md", "c"): (1, [SHOWN]),
     ("docs/embedding.md", "rust"): (1, [SHOWN]),
-    ("docs/integrations.md", "python"): (3, [SECTIONS]),
+    ("docs/ladybug.md", "python"): (1, [SECTIONS]),
     ("docs/many_lights.md", "cpp"): (1, [SHOWN]),
     ("docs/python.md", "python"): (10, [SECTIONS]),
     ("docs/python.md", "sh"): (1, [PIP]),
+    ("docs/shares.md", "python"): (2, [SECTIONS]),
+    ("docs/shares.md", "sh"): (1, [SECTIONS]),
     ("docs/studies.md", "python"): (4, [OUTPUTS]),
     ("docs/studies.md", "toml"): (1, [OUTPUTS]),
     ("docs/studies.md", "sh"): (1, [OUTPUTS]),
     ("docs/view.md", "sh"): (1, [SHELL]),
     ("docs/viewshed.md", "python"): (3, [VIEWSHED]),
     ("docs/viewshed.md", "sh"): (1, [VIEWSHED]),
+    ("docs/weather.md", "python"): (1, [SECTIONS]),
 }
 
 

@@ -216,11 +216,11 @@ void cut_out(const gnomon::Device& device, bool is_second) {
     }
 }
 
-/// Suns over a terrain with steps and holes at its border, by its horizons.
-void meet_horizons(const gnomon::Device& device) {
+/// Suns over a terrain with steps, by its horizons, with holes at its border, or by sweeps.
+void meet_terrain(const gnomon::Device& device, const std::string& way) {
     Terrain terrain = lattice_terrain(3);
     terrain.columns = 12, terrain.rows = 9;
-    const Floats scene = without_triangle(terrain.triangles(), 25);
+    const Floats raster = terrain.triangles(), scene = way == "sweeps" ? raster : without_triangle(raster, 25);
     const auto triangles = gnomon::Triangles::upload(device, scene);
     Floats positions;
     for (std::size_t i = 0; i < 60; ++i) add(positions, vertex(scene, 10 * i));
@@ -228,7 +228,7 @@ void meet_horizons(const gnomon::Device& device) {
     for (int i = 0; i < 40; ++i)
         lights.push_back(gnomon::Light::directional({1, -float(i % 20) / 8 - 0.1f, i < 20 ? 0.0f : 0.75f}));
     const auto technique = gnomon::make_technique("frustum-traced", device);
-    technique->set("many-lights", "horizons");
+    technique->set("many-lights", way);
     const auto answers = gnomon::run_light_table_to_host(
         *technique, triangles, gnomon::Points::upload(device, positions), gnomon::Lights(lights), {.counts = true});
     std::vector<std::uint32_t> counts(positions.size() / 3);
@@ -236,8 +236,8 @@ void meet_horizons(const gnomon::Device& device) {
         const auto shadowed = reference::shadowed(scene, positions, {}, light.xyzw);
         for (std::size_t i = 0; i < counts.size(); ++i) counts[i] += !shadowed[i];
     }
-    require(answers.counts == counts, "horizons: counts of lit lights");
-    std::printf("horizons: %zu points, %zu lights\n", counts.size(), lights.size());
+    require(answers.counts == counts, way + ": counts of lit lights");
+    std::printf("%s: %zu points, %zu lights\n", way.c_str(), counts.size(), lights.size());
 }
 
 }  // namespace
@@ -250,7 +250,7 @@ int main(int count, char** arguments) try {
         return all_right ? 0 : 1;
     }
     if (count > 1 && arguments[1] == std::string("horizons")) {
-        meet_horizons(gnomon::Device());
+        for (const char* way : {"horizons", "sweeps"}) meet_terrain(gnomon::Device(), way);
         return all_right ? 0 : 1;
     }
     const Floats blocks = lattice_blocks(2, 3, 1);

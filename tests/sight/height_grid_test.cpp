@@ -62,6 +62,33 @@ TEST(HeightGrid, SameAnswersWithEveryKernel) {
     }
 }
 
+// What no wedge meets would stay hidden: from above a plane all targets are seen, whatever the eye, band and spans.
+TEST(HeightGrid, EveryTargetLiesInAWedge) {
+    std::mt19937 random(4);
+    const auto below = [&](int end) { return int(random() % unsigned(end)); };
+    for (const auto& [height, width] : {std::pair(2, 2), {3, 90}, {23, 31}, {61, 17}}) {
+        const Heights plane(std::size_t(height) * std::size_t(width), 5);
+        for (const bool gpu_kernels : {false, true}) {
+            gnomon::HeightGrid grid(device_of(gpu_kernels), plane, width);
+            for (int i = 0; i < 60; ++i) {
+                gnomon::Eye eye{below((width - 1) * SUBCELLS + 1), below((height - 1) * SUBCELLS + 1), 6000, 0};
+                if (i % 3 == 0) eye.x = below(width) * SUBCELLS;
+                if (i % 4 == 0) eye.y = below(height) * SUBCELLS;
+                const int first = below(height);
+                const gnomon::HeightGrid::Band band{first, first + 1 + below(height - first)};
+                std::vector<std::int32_t> spans;
+                std::vector<std::uint8_t> expected;
+                for (int y = band.first_row; y < band.last_row; ++y) {
+                    const int from = below(width), to = from + below(width - from + 1);
+                    spans.insert(spans.end(), {from, to});
+                    for (int x = 0; x < width; ++x) expected.push_back(x >= from && x < to ? SIGHT_SEEN : SIGHT_HIDDEN);
+                }
+                ASSERT_EQ(grid.look(eye, band, spans), expected) << width << ' ' << eye.x << ' ' << eye.y;
+            }
+        }
+    }
+}
+
 // A wall across a plane: columns behind it are seen from a height above the ground that grows with the distance.
 TEST(HeightGrid, LeastHeightsBehindAWall) {
     Heights heights(32 * 40, 0);

@@ -57,7 +57,7 @@ BeamStage::BeamStage(const gnomon::Device& device, const LightScene& scene, std:
       tree_(device, triangles_),
       tree_run_{run_, sorted_, tree_},
       bundles_(bundles_of(method, lights, bundle_lights)),
-      masks_(tree_run_, bundles_, statistics_, false),
+      masks_(tree_run_, bundles_, statistics_, gnomon::LightMasks::Before::nothing),
       order_(downloaded<std::uint32_t>(session_, sorted_.order().get(), points_.count())) {
     masks_.reserve(points_.count());
     EXPECT_LE(tree_run_.largest_coordinate(), BVH_MAX_COORDINATE);

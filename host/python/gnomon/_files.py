@@ -6,7 +6,8 @@ from __future__ import annotations
 import contextlib
 import os
 import tempfile
-from collections.abc import Iterator
+import uuid
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -25,6 +26,36 @@ class FileOnDisk(NamedTuple):
         said = text.replace(str(self.path), self.name).replace(self.folder + os.sep, "")
         alone = " (a file object has no files beside it: give the file's name)"
         return said + alone if "does not exist" in said else said
+
+
+def write_whole(path: Path, text: str) -> None:
+    """Writes a file that appears whole or not at all."""
+    partial = path.with_name(f".{path.name}.{uuid.uuid4().hex}.partial")
+    try:
+        with partial.open("w") as file:
+            file.write(text)
+        os.replace(partial, path)
+    except BaseException:
+        partial.unlink(missing_ok=True)
+        raise
+
+
+def require_other(path: Path, inputs: Iterable[str]) -> None:
+    """Raises ValueError if what is to be written is a folder, or a file that is read."""
+    if path.is_dir():
+        raise ValueError(f"cannot write {path}: it is a folder: give a file's name")
+    if path.exists() and any(Path(name).exists() and path.samefile(name) for name in inputs):
+        raise ValueError(f"cannot write {path}: it is a file that this run reads")
+
+
+def require_writable(path: Path) -> None:
+    """Makes the folder of a file that is to be written after long work. Raises ValueError if it cannot be."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=path.parent):
+            pass
+    except OSError as error:
+        raise ValueError(f"cannot write {path}: {error.strerror}") from None
 
 
 @contextlib.contextmanager

@@ -249,7 +249,9 @@ def rounded_ground(
     if (x is None) != (y is None) or (x is None) == (cell is None):
         raise ValueError("give either x= and y=, the centres of the cells, or cell=, their size")
     if not radius > 0 or refraction is not None and not refraction < 1:
-        raise ValueError("radius, refraction: radius must be above 0 and refraction below 1, or None for a plane")
+        raise ValueError(
+            "radius, refraction: radius must be above 0 and refraction below 1, or None ('plane') for a plane"
+        )
     width, depth = np.broadcast_to(np.asarray(1.0 if cell is None else cell, np.float64), (2,))
     if not (width > 0 and depth > 0):
         raise ValueError("cell: must be above 0")

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""The lit share of surfaces, as intervals that are proven to contain it (docs/integrations.md)."""
+"""The lit share of surfaces, as intervals that are proven to contain it (docs/shares.md)."""
 
 from __future__ import annotations
 
+import datetime
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -14,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _arrays, _gnomon
 from . import _lattice as _world
+from ._files import write_whole
 
 #: A polygon whose corners lie farther off one plane than this part of its extent is named in Surfaces.not_planar.
 PLANAR = 1e-6
@@ -47,29 +49,89 @@ class LitFractions(NamedTuple):
         return 1 - (self.low + self.high) / 2
 
     def write_table(self, path: str | os.PathLike[str], names: Sequence[str], times: Sequence[Any]) -> None:
-        """A CSV file with a row for each time and two columns, lowest and highest share, for each face."""
-        columns = [f"{name} {end}" for name in _checked(names, times, self.low) for end in ("low", "high")]
-        both = np.stack([self.low, self.high], axis=1)
-        rows = [f"{t}," + ",".join(f"{v:.9g}" for v in both[:, :, m].reshape(-1)) + "\n" for m, t in enumerate(times)]
-        Path(path).write_text(",".join(["time", *columns]) + "\n" + "".join(rows))
+        """A CSV file with a row for each time and two columns, lowest and highest share, for each face; and the x, y, z
+        of its centroid, if there are centroids, empty where nothing is lit."""
+        ends, values = ["low", "high"], [self.low, self.high]
+        if self.centroid is not None:
+            ends, values = [*ends, *"xyz"], [*values, *np.moveaxis(self.centroid, 2, 0)]
+        columns = [f"{name} {end}" for name in _checked(names, times, self.low) for end in ends]
+        _write_rows(path, ",".join(["time", *columns]), times, np.stack(values, axis=1))
+
+    def write_shaded(self, path: str | os.PathLike[str], names: Sequence[str], times: Sequence[Any]) -> None:
+        """A CSV file with a row for each time and a column for each face: shaded()."""
+        _write_rows(path, ",".join(["time", *_checked(names, times, self.low)]), times, self.shaded()[:, None])
 
     def write_energyplus(self, path: str | os.PathLike[str], names: Sequence[str], times: Sequence[Any]) -> None:
         """The middles in the layout of the file that EnergyPlus writes as its external shading results, for its
         Schedule:File:Shading. times: the end of each time step, with month, day, hour and minute. Not run there."""
         head = "Surface Name," + "".join(f"{name}," for name in _checked(names, times, self.low))
         middle = (self.low + self.high) / 2
-        rows = [f" {t:%m/%d %H:%M}," + "".join(f"{v:.8f}," for v in middle[:, m]) + "\n" for m, t in enumerate(times)]
-        Path(path).write_text(head + "\n" + "".join(rows))
+        rows = [f" {_end_text(t)}," + "".join(f"{v:.8f}," for v in middle[:, m]) + "\n" for m, t in enumerate(times)]
+        write_whole(Path(path), head + "\n" + "".join(rows))
+
+
+def _end_text(time: Any) -> str:
+    """The end of a time step; midnight is the 24th hour of the day before."""
+    if (time.hour, time.minute) != (0, 0):
+        return f"{time:%m/%d %H:%M}"
+    return f"{time - datetime.timedelta(days=1):%m/%d} 24:00"
+
+
+def _write_rows(path: str | os.PathLike[str], head: str, times: Sequence[Any], values: NDArray[np.float64]) -> None:
+    """A table of (faces, columns of a face, times), with all digits, so that intervals stay what they are; NaN as
+    nothing."""
+    lines = [head]
+    for m, time in enumerate(times):
+        numbers = values[:, :, m].reshape(-1).tolist()
+        lines.append(f"{time}," + ",".join("" if v != v else repr(v).removesuffix(".0") for v in numbers))
+    write_whole(Path(path), "\n".join(lines) + "\n")
 
 
 def _checked(names: Sequence[str], times: Sequence[Any], shares: NDArray[np.float64]) -> Sequence[str]:
     if (len(names), len(times)) != shares.shape:
         faces, suns = shares.shape
         raise ValueError(f"{len(names)} names and {len(times)} times for {faces} faces and {suns} suns")
-    for name in names:
-        if "," in name or "\n" in name or not name:
-            raise ValueError(f"names: {name!r} is empty, or has a comma or a new line")
+    for kind, texts in (("names", names), ("times", map(str, times))):
+        for text in texts:
+            if "," in text or "\n" in text or not text:
+                raise ValueError(f"{kind}: {text!r} is empty, or has a comma or a new line")
     return names
+
+
+class Cut(NamedTuple):
+    """A polygon's triangles (F, 3, 3); what is wrong with it, or ""; and whether it lies in a plane."""
+
+    triangles: NDArray[np.float64]
+    fault: str
+    is_planar: bool
+
+
+def cut(polygon: Sequence[ArrayLike]) -> Cut:
+    """A polygon as triangles, and what is wrong with it. polygon: its outer ring (n, 3), then its holes. Needs
+    gnomon[study], whose earcut cuts polygons into triangles."""
+    from .studies.cityjson import triangulated
+
+    parts = [np.asarray(ring, np.float64).reshape(-1, 3) for ring in polygon]
+    if not parts or any(len(part) < 3 or not np.isfinite(part).all() for part in parts):
+        return Cut(np.empty((0, 3, 3)), "has a ring with fewer than three corners, or one that is not finite", True)
+    normal, *holes = (_normal_of(part) for part in parts)
+    corners = np.concatenate(parts)
+    extent = np.ptp(corners, axis=0).max()
+    size = float(np.linalg.norm(normal))
+    area = size - sum(float(np.linalg.norm(hole)) for hole in holes)
+    if area <= 1e-12 * extent**2:
+        return Cut(np.empty((0, 3, 3)), "has no area", True)
+    triangles = parts[0][None] if len(corners) == 3 else triangulated(parts)
+    is_planar = bool(np.abs((corners - corners[0]) @ normal).max() <= PLANAR * extent * size)
+    found = np.linalg.norm(np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]), axis=1).sum()
+    crosses = is_planar and abs(found - area) > PLANAR * size
+    return Cut(triangles, "has a ring that crosses itself or another one" if crosses else "", is_planar)
+
+
+def _normal_of(ring: NDArray[np.float64]) -> NDArray[np.float64]:
+    """As long as twice the ring's area."""
+    from_first = ring - ring[0]
+    return np.asarray(np.cross(from_first, np.roll(from_first, -1, axis=0)).sum(axis=0))
 
 
 def polygons(rings: Iterable[Sequence[ArrayLike]], occluders: ArrayLike | None = None) -> Surfaces:
@@ -78,20 +140,12 @@ def polygons(rings: Iterable[Sequence[ArrayLike]], occluders: ArrayLike | None =
     rings: of each polygon its outer ring (n, 3), counter-clockwise as seen from its front, then its holes.
     occluders: (F, 3, 3) more triangles, which have no share of their own.
     """
-    from .studies.cityjson import triangulated
-
     found, not_planar = [], []
     for row, polygon in enumerate(rings):
-        parts = [np.asarray(ring, np.float64).reshape(-1, 3) for ring in polygon]
-        if not parts or any(len(part) < 3 or not np.isfinite(part).all() for part in parts):
-            raise ValueError(f"polygons: row {row} has a ring with fewer than three corners, or one that is not finite")
-        triangles = triangulated(parts)
-        normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]).sum(axis=0)
-        corners = np.concatenate(parts)
-        extent = np.ptp(corners, axis=0).max()
-        if np.linalg.norm(normal) <= 1e-12 * extent**2:
-            raise ValueError(f"polygons: row {row} has no area")
-        if np.abs((corners - corners[0]) @ normal).max() > PLANAR * extent * np.linalg.norm(normal):
+        triangles, fault, is_planar = cut(polygon)
+        if fault:
+            raise ValueError(f"polygons: row {row} {fault}")
+        if not is_planar:
             not_planar.append(row)
         found.append(triangles)
     more = np.empty((0, 3, 3)) if occluders is None else np.asarray(occluders, np.float64).reshape(-1, 3, 3)
@@ -109,6 +163,7 @@ def lit_fractions(
     lattice: float | None = None,
     centroids: bool = False,
     threads: int | None = None,
+    progress: Callable[[float], object] | None = None,
 ) -> LitFractions:
     """The share of each face's area that each of many suns reaches, as an interval that contains it.
 
@@ -120,6 +175,7 @@ def lit_fractions(
     limit: the subtractions of shadows from one triangle under one sun, after which its interval stays as it is.
     lattice: the step, a power of two, to which coordinates are snapped once; default: the finest that holds them.
     centroids: find the centroids of the lit parts, too.
+    progress: called now and then with the part that is done; if it returns False, gnomon.Cancelled is raised.
 
     A share is that of gnomon's points: what lies on the back, and what a closed triangle strictly above the face's
     plane blocks, is dark. The width of an interval holds all that is undecided, and the bound of all rounding.
@@ -127,7 +183,7 @@ def lit_fractions(
     if isinstance(triangles, Surfaces):
         return lit_fractions(
             triangles.triangles, directions, triangles.faces, within=within, limit=limit, lattice=lattice,
-            centroids=centroids, threads=threads,
+            centroids=centroids, threads=threads, progress=progress,
         )  # fmt: skip
     scene = _world.lattice_of(np.ascontiguousarray(_arrays.triangles_of(triangles, None), np.float64), lattice)
     towards = -np.asarray(directions, np.float64).astype(np.float32)
@@ -145,10 +201,17 @@ def lit_fractions(
     count = int(of.max(initial=-1)) + 1
     steps = np.ascontiguousarray(scene.triangles / np.float32(scene.step), np.int32).reshape(-1, 9)
     _require_areas(steps, of, count)
-    low, high, centroid = _gnomon.lit_fractions(
-        steps, np.ascontiguousarray(of, np.int32), count, np.ascontiguousarray(towards), float(within), int(limit),
-        max(1, threads or os.cpu_count() or 1), centroids,
-    )  # fmt: skip
+    threads = max(1, threads or os.cpu_count() or 1)
+    block = max(1, len(towards) if progress is None else max(4 * threads, len(towards) // 100))
+    blocks = []
+    for first in range(0, max(len(towards), 1), block):
+        some = np.ascontiguousarray(towards[first : first + block])
+        blocks.append(_gnomon.lit_fractions(
+            steps, np.ascontiguousarray(of, np.int32), count, some, float(within), int(limit), threads, centroids
+        ))  # fmt: skip
+        if progress is not None and progress(min(1.0, (first + block) / max(len(towards), 1))) is False:
+            raise _gnomon.Cancelled("cancelled")
+    low, high, centroid = (np.concatenate(parts) for parts in zip(*blocks, strict=True))
     places = centroid.transpose(1, 0, 2) * scene.step + scene.origin if centroids else None
     return LitFractions(low.T, high.T, places)
 

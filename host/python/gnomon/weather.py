@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Solar energy on surfaces, from weather files: pip install 'gnomon[weather]' (docs/integrations.md)."""
+"""Solar energy on surfaces, from weather files: pip install 'gnomon[weather]' (docs/weather.md)."""
 
 from __future__ import annotations
 
@@ -233,7 +233,7 @@ def irradiation(
         values = np.full(len(flat), np.nan)
         values[there] = 0
         if there.size and np.any(weights):
-            lights = Lights.directions(-_turned(directions, up, north), weights / 1000)
+            lights = Lights.directions(-turned(directions, up, north), weights / 1000)
             lit = on_lattice.lit_by(flat[there], lights, side=side, lift=True, cosines=True, progress=progress)
             values[there] = lit.sums
         found.append(values.reshape(positions.shape[:-1]))
@@ -242,8 +242,9 @@ def irradiation(
     return Irradiation(direct, diffuse, ground, direct + diffuse + ground, left_out)
 
 
-def _turned(directions: NDArray[np.float64], up: str, north: float) -> NDArray[np.float64]:
-    """Directions of x east, y north, z up in the axes of a scene."""
+def turned(directions: NDArray[np.float64], up: str, north: float) -> NDArray[np.float64]:
+    """(M, 3) directions of x east, y north, z up in the axes of a scene whose axis `up`, "y" or "z", points up; its
+    north is -z or y, turned by `north` degrees clockwise as seen from above."""
     turn = math.radians(north)
     x = directions[:, 0] * math.cos(turn) + directions[:, 1] * math.sin(turn)
     y = directions[:, 1] * math.cos(turn) - directions[:, 0] * math.sin(turn)

@@ -164,3 +164,18 @@ def test_where_a_ray_leaves_the_extent():
     assert leaves_below(extent, 20.0, points, east, 0.0).tolist() == [False, True, False]
     assert leaves_below(extent, 60.0, points, east, 0.0).tolist() == [True, True, False]
     assert not leaves_below(extent, 1e9, points, np.array([0.0, 0, 1]), 0.0).any()
+
+
+def test_a_group_of_tiles_is_filled_up_to_a_rectangle_by_tiles_that_can_shadow_nothing(strip):
+    folder, settings = strip
+    decider = run(folder / "filled", **settings).plan.decider
+
+    def fill(group, tiles):
+        return decider._as_raster(np.array(group), np.array(tiles)).tolist()
+
+    assert len(decider.casters) == 25
+    assert fill([3, 4, 6, 7], [3, 4, 6, 7]) == [3, 4, 5, 6, 7]
+    assert fill([3, 4, 6, 7], [3, 4, 5, 6, 7]) == [3, 4, 6, 7], "tile 5 can shadow, and is left to another group"
+    assert fill([3, 7], [3, 7]) == [3, 7], "the rectangle has 2.5 times the triangles"
+    decider.survey.tops[5] = np.inf
+    assert decider.survey.unread[5] and fill([3, 4, 6, 7], [3, 4, 6, 7]) == [3, 4, 6, 7]

@@ -462,7 +462,7 @@ def test_directions_on_the_map(crs):
     direction on the map leads."""
     from gnomon.studies import suns
 
-    place = suns._Map(crs)
+    place = suns.Map(crs)
     longitude, latitude = 9.0, 60.0
     x, y = pyproj.Transformer.from_crs("EPSG:4326", crs, always_xy=True).transform(longitude, latitude)
     geod, projection = pyproj.CRS(crs).get_geod(), pyproj.Proj(crs)

@@ -79,6 +79,17 @@ def test_wrong_words_are_named(raster, tmp_path, capsys, words, text):
     assert re.search(text, capsys.readouterr().err) and not (tmp_path / "x.tif").exists()
 
 
+def test_no_input_is_overwritten(raster, tmp_path, capsys):
+    kept, table = Path(raster).read_bytes(), tmp_path / "guards.csv"
+    table.write_text("x,y\n512400,5002010\n")
+    assert run(raster, table, raster) == run(raster, table, table) == run(raster, table, tmp_path) == 1
+    assert run(raster, table, tmp_path / "x.tif", "--quiet", "--folder", tmp_path / "kept") == 0
+    for command in ("export", "picture"):
+        assert main([command, str(tmp_path / "kept"), raster]) == 1
+    assert capsys.readouterr().err.count("it is a file that this run reads") == 4
+    assert Path(raster).read_bytes() == kept and table.read_text().startswith("x,y")
+
+
 def test_a_map_in_degrees_and_a_missing_file_are_refused(tmp_path, capsys):
     degrees = write_raster(tmp_path / "degrees.tif", city(40), cell=0.001, west=8.0, north=47.0, crs="EPSG:4326")
     assert run(degrees, "8.01,46.99", tmp_path / "x.tif") == 1 and "are degrees" in capsys.readouterr().err
@@ -105,5 +116,8 @@ def test_the_page_runs(tmp_path, monkeypatch, capsys):
     with rasterio.open("seen.tif") as seen, rasterio.open("masts.tif") as masts, rasterio.open("counts.tif") as counts:
         assert ((seen.read(1) == 255) == (masts.read(1) == 0)).all()
         assert {*np.unique(counts.read(1))} == {0, 1, 2, 3}
+    with rasterio.open("past.tif") as past, rasterio.open("all.tif") as every:
+        hidden = every.read(1).astype(int) - past.read(1)
+        assert hidden.min() == 0 < hidden.max()  # the wall hides, and shows nothing new
     made, kept = (np.asarray(image.open(p).convert("L"), float) for p in ("viewshed.png", PAGE.parent / "viewshed.png"))
     assert made.shape == kept.shape and np.abs(made - kept).mean() < 4, "the page's picture is the one that it makes"

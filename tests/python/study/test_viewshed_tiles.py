@@ -195,7 +195,7 @@ def test_a_folder_of_another_viewshed_or_study_is_refused(asked, raster, tmp_pat
     settings = ViewshedSettings((str(copy),), tuple(PLACES[:1]))
     write_viewshed(tmp_path / "c.tif", settings, tmp_path / "g")
     write_raster(copy, city(40) + 1)
-    with pytest.raises(ValueError, match="a raster has changed"):
+    with pytest.raises(ValueError, match="a raster or mesh has changed"):
         write_viewshed(tmp_path / "c.tif", settings, tmp_path / "g")
 
 

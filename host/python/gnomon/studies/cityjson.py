@@ -22,17 +22,25 @@ from numpy.typing import NDArray
 DEPTHS = {"MultiSurface": 0, "CompositeSurface": 0, "Solid": 1, "MultiSolid": 2, "CompositeSolid": 2}
 SUFFIXES = (".json", ".jsonl", ".cityjson")
 
+Rings = list[NDArray[np.float64]]
+
 
 def is_cityjson(name: str) -> bool:
     return name.lower().endswith(SUFFIXES)
 
 
 class City(NamedTuple):
-    """triangles: (F, 3, 3) in the file's coordinates. crs: its referenceSystem. notes: what is left out."""
+    """polygons: the name of each surface and its rings, (n, 3) in the file's coordinates: the outer one, then its
+    holes. crs: its referenceSystem. notes: what is left out."""
 
-    triangles: NDArray[np.float64]
+    polygons: list[tuple[str, Rings]]
     crs: str | None
     notes: tuple[str, ...]
+
+    @property
+    def triangles(self) -> NDArray[np.float64]:
+        """(F, 3, 3), those of each polygon."""
+        return np.concatenate([np.empty((0, 3, 3)), *(triangulated(rings) for _, rings in self.polygons)])
 
 
 def load(name: str) -> City:
@@ -42,22 +50,24 @@ def load(name: str) -> City:
     first, *features = [json.loads(line) for line in lines if line.strip()]
     if not isinstance(first, dict) or first.get("type") != "CityJSON":
         raise ValueError('its "type" is not "CityJSON"')
-    triangles = [np.empty((0, 3, 3))]
+    polygons: list[tuple[str, Rings]] = []
     left_out: collections.Counter[str] = collections.Counter()
     templates = first.get("geometry-templates", {})
     for part in (first, *features):
         transform = first.get("transform", {"scale": [1, 1, 1], "translate": [0, 0, 0]})
         scale, translate = (np.array(transform[key], np.float64) for key in ("scale", "translate"))
         vertices = np.array(part["vertices"], np.float64).reshape(-1, 3) * scale + translate
-        for geometry in _geometries(part["CityObjects"], templates):
-            triangles += _geometry_triangles(geometry, vertices, templates, left_out)
+        for name, geometry in _geometries(part["CityObjects"], templates):
+            surfaces = _surfaces(geometry, vertices, templates, left_out)
+            polygons += [(f"{name} {kind or 'surface'} {i}", rings) for i, (kind, rings) in enumerate(surfaces)]
     crs = first.get("metadata", {}).get("referenceSystem")
-    return City(np.concatenate(triangles), crs, tuple(f"left out: {n} {what}" for what, n in left_out.items() if n))
+    return City(polygons, crs, tuple(f"left out: {n} {what}" for what, n in left_out.items() if n))
 
 
-def _geometries(objects: dict[str, Any], templates: dict[str, Any]) -> Iterator[dict[str, Any]]:
-    """The geometries that count: each object's surfaces of its highest level of detail, unless one of its children has
-    a level at least as high (a building with parts, say). An instance has its template's level."""
+def _geometries(objects: dict[str, Any], templates: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
+    """The geometries that count, and their objects' names: each object's surfaces of its highest level of detail,
+    unless one of its children has a level at least as high (a building with parts, say). An instance has its template's
+    level."""
 
     def level(geometry: dict[str, Any]) -> float:
         if geometry["type"] == "GeometryInstance":
@@ -69,25 +79,26 @@ def _geometries(objects: dict[str, Any], templates: dict[str, Any]) -> Iterator[
         levels = [level(g) for g in city_object.get("geometry", ())]
         return max([*levels, *(highest(child) for child in city_object.get("children", ()))], default=-1.0)
 
-    for city_object in objects.values():
+    for name, city_object in objects.items():
         geometries = city_object.get("geometry", ())
         max_level = max(map(level, geometries), default=-1.0)
         if all(highest(child) < max_level for child in city_object.get("children", ())):
-            yield from (g for g in geometries if level(g) == max_level)
+            yield from ((name, g) for g in geometries if level(g) == max_level)
 
 
-def _geometry_triangles(
+def _surfaces(
     geometry: dict[str, Any],
     vertices: NDArray[np.float64],
     templates: dict[str, Any],
     left_out: collections.Counter[str],
-) -> list[NDArray[np.float64]]:
+) -> list[tuple[str | None, Rings]]:
+    """The semantic type of each surface, such as RoofSurface, where the file says one, and its rings."""
     if geometry["type"] == "GeometryInstance":
         matrix = np.array(geometry["transformationMatrix"], np.float64).reshape(4, 4)
         origin = vertices[_row(geometry["boundaries"][0], vertices)]
         template_vertices = np.array(templates["vertices-templates"], np.float64).reshape(-1, 3)
         moved = template_vertices @ matrix[:3, :3].T + matrix[:3, 3] + origin
-        return _geometry_triangles(templates["templates"][geometry["template"]], moved, {}, left_out)
+        return _surfaces(templates["templates"][geometry["template"]], moved, {}, left_out)
     surfaces = geometry["boundaries"]
     if geometry["type"] not in DEPTHS:
         left_out[geometry["type"]] += 1
@@ -97,11 +108,15 @@ def _geometry_triangles(
     for _ in range(DEPTHS[geometry["type"]]):
         of_surface = [value for shell, values in zip(surfaces, of_surface) for value in values or [None] * len(shell)]  # noqa: B905
         surfaces = [surface for shell in surfaces for surface in shell]
+    kinds: list[str | None] = [None] * len(surfaces)
     if len(of_surface) == len(surfaces):
         kinds = [None if value is None else semantics["surfaces"][value].get("type") for value in of_surface]
         left_out["ClosureSurface, which is no wall"] += kinds.count("ClosureSurface")
-        surfaces = [surface for surface, kind in zip(surfaces, kinds, strict=True) if kind != "ClosureSurface"]
-    return [triangulated([vertices[[_row(i, vertices) for i in ring]] for ring in rings]) for rings in surfaces]
+    return [
+        (kind, [vertices[[_row(i, vertices) for i in ring]] for ring in rings])
+        for kind, rings in zip(kinds, surfaces, strict=True)
+        if kind != "ClosureSurface"
+    ]
 
 
 def _row(index: Any, vertices: NDArray[np.float64]) -> int:

@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: MIT
-"""The command gnomon-study: run, verify, export, picture and viewshed. Exit codes: 0 done, 1 it failed, 2 the command
-line is wrong."""
+"""The command gnomon-study: run, verify, export, picture, viewshed and shares. Exit codes: 0 done, 1 it failed, 2 the
+command line is wrong."""
 
 from __future__ import annotations
 
 import argparse
+import dataclasses
 import json
+import re
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -13,9 +15,12 @@ from typing import Any
 
 from .. import DeviceNotFoundError, OpenCLError
 from .._earth import EARTH_RADIUS
+from .._files import require_other
 from .._viewshed import REFRACTION
 from . import Execution, StudyStoppedError, open_study, read_toml, run, verify
 from .settings import files_of
+from .shares import WHAT as WHAT_OF_SHARES
+from .shares import ShareSettings, write_shares
 from .viewshed import WHAT, observers_of, write_viewshed
 from .viewshed_plan import ViewshedSettings
 
@@ -66,15 +71,16 @@ def _parser() -> argparse.ArgumentParser:
         write_parser.add_argument("--what", help="a result's name, such as sun_hours, lit or seen; or suns")
         write_parser.set_defaults(function=_write)
     _add_viewshed(commands)
+    _add_shares(commands)
+    for command in commands.choices.values():
+        command._negative_number_matcher = re.compile(r"-\.?\d")  # -33.9,18.4 is a place, and no option
     return parser
 
 
 def _add_viewshed(commands: Any) -> None:
     parser = commands.add_parser("viewshed", help="write which cells of a raster observers see (docs/viewshed.md)")
     parser.add_argument("raster", help="a GeoTIFF of heights, or a pattern such as 'tiles/*.tif', on one grid")
-    parser.add_argument(
-        "observers", help="x,y on the map (after -- if x is below 0), or a .csv file: columns x, y, perhaps height"
-    )
+    parser.add_argument("observers", help="x,y on the map, or a .csv file: columns x, y, perhaps height")
     parser.add_argument("output", type=Path, help="the GeoTIFF that is written")
     parser.add_argument("--what", choices=WHAT, help="default: seen for one observer, else counts")
     parser.add_argument("--height", type=float, default=2.0, help="of eyes above the ground, m; default: %(default)g")
@@ -86,6 +92,17 @@ def _add_viewshed(commands: Any) -> None:
     parser.add_argument("--radius", type=float, default=EARTH_RADIUS, help="the Earth's, m; default: %(default).0f")
     parser.add_argument("--outside", type=float, help="what stands where there is no data is at most this high, m")
     parser.add_argument("--height-unit", help="of the raster's heights; default: what it declares, or metres")
+    parser.add_argument(
+        "--mesh", metavar="FILE", action="append", default=[], help="what stands on the raster, in its CRS"
+    )
+    parser.add_argument("--mesh-up", choices=("y", "z"), help="default: y of glTF, else z")
+    parser.add_argument(
+        "--mesh-offset",
+        type=_offset,
+        default=(0.0, 0.0, 0.0),
+        metavar="X,Y,Z",
+        help="is added to the meshes' coordinates",
+    )
     parser.add_argument(
         "--folder", type=Path, help="the study's, which is kept for verify and export; default: a passing one"
     )
@@ -99,6 +116,74 @@ def _add_viewshed(commands: Any) -> None:
     parser.set_defaults(function=_viewshed)
 
 
+def _add_shares(commands: Any) -> None:
+    parser = commands.add_parser(
+        "shares", help="write the lit share of each planar polygon of a model (docs/shares.md)"
+    )
+    parser.add_argument("model", help="CityJSON, honeybee's HBJSON, OBJ, OFF, PLY, STL, glTF; of meshes each face")
+    parser.add_argument("output", type=Path, help="the .csv file that is written")
+    files = "default: %(default)s; shaded: pvlib's shaded fraction; energyplus: like its external shading results"
+    parser.add_argument("--what", choices=WHAT_OF_SHARES, default="intervals", help=files)
+    parser.add_argument(
+        "--faces", metavar="PATTERN", help="names of polygons with * and ?: the others only cast shadows"
+    )
+    parser.add_argument(
+        "--occluders", metavar="FILE", action="append", default=[], help="one more model that only casts shadows"
+    )
+    suns = parser.add_argument_group("suns: one of these")
+    suns.add_argument("--directions", metavar="FILE", help="a table of suns (docs/studies.md)")
+    suns.add_argument("--epw", metavar="FILE", help="a weather file: the suns of its hours")
+    suns.add_argument(
+        "--place", type=_place, metavar="LAT,LON", help="degrees, north and east positive, with a day or year"
+    )
+    suns.add_argument("--day", metavar="YYYY-MM-DD", help="the suns of a day")
+    suns.add_argument("--year", type=int, metavar="YYYY", help="the suns of a year")
+    suns.add_argument("--step", type=float, metavar="MINUTES", help="one sun in its middle; default: 10, of a year 60")
+    suns.add_argument("--utc", type=float, metavar="HOURS", help="ahead of universal time; default: longitude / 15")
+    parser.add_argument("--up", choices=("y", "z"), help="default: y of glTF, else z")
+    parser.add_argument("--north", type=float, default=0.0, metavar="DEGREES", help="clockwise from y (y up: from -z)")
+    parser.add_argument("--within", type=float, default=0.01, help="the width of an interval; default: %(default)g")
+    work = "shadows that are subtracted from a triangle under a sun, at most; default: %(default)d"
+    parser.add_argument("--limit", type=int, default=10_000, help=work)
+    parser.add_argument("--centroids", action="store_true", help="of what is lit: x, y, z, in the model's coordinates")
+    parser.add_argument("--strict", action="store_true", help="fail if an interval is wider than --within")
+    parser.add_argument("--quiet", action="store_true", help="no progress, no summary")
+    parser.set_defaults(function=_shares)
+
+
+def _offset(text: str) -> tuple[float, float, float]:
+    try:
+        x, y, z = (float(part) for part in text.split(","))
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is not X,Y,Z, such as 691000,5334000,0") from None
+    return x, y, z
+
+
+def _place(text: str) -> tuple[float, float]:
+    try:
+        latitude, longitude = (float(part) for part in text.split(","))
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is not LAT,LON, such as 48.2,16.4") from None
+    return latitude, longitude
+
+
+def _shares(options: argparse.Namespace) -> int:
+    given = {field.name: getattr(options, field.name) for field in dataclasses.fields(ShareSettings)}
+    record = write_shares(options.output, ShareSettings(**given | {"occluders": tuple(options.occluders)}),
+                          progress=not options.quiet)  # fmt: skip
+    if not options.quiet:
+        print(json.dumps(record, indent=1))
+    for key, text in (("left_out", "left out"), ("not_planar", "not planar, taken as their triangles")):
+        if record[key]:
+            more = f" and {len(record[key]) - 3:,} more" if len(record[key]) > 3 else ""
+            print(f"gnomon-study: {text}: {'; '.join(record[key][:3])}{more}", file=sys.stderr)
+    if record["wider_than_within"]:
+        print(f"gnomon-study: {record['wider_than_within']:,} intervals are wider than {options.within:g}: give a "
+              "greater --limit", file=sys.stderr)  # fmt: skip
+        return 1 if options.strict else 0
+    return 0
+
+
 def _refraction(text: str) -> float | None:
     try:
         return None if text == "plane" else float(text)
@@ -108,6 +193,7 @@ def _refraction(text: str) -> float | None:
 
 def _viewshed(options: argparse.Namespace) -> int:
     observers = observers_of(options.observers, options.height)
+    require_other(options.output, [options.observers])
     what = options.what or ("seen" if len(observers) == 1 else "counts")
     if what != "counts" and len(observers) != 1:
         raise ValueError(f"what: {what!r} is for one observer, and there are {len(observers)}")
@@ -123,6 +209,9 @@ def _viewshed(options: argparse.Namespace) -> int:
         outputs=tuple(dict.fromkeys((WHAT[what], *(("bits",) if options.bits else ())))),
         tile=options.tile,
         block=options.block,
+        meshes=files_of(options.mesh) if options.mesh else (),
+        mesh_up=options.mesh_up,
+        mesh_offset=options.mesh_offset,
     )
     execution = Execution(
         workers=_workers(options.workers), device=options.device, restart=options.restart, progress=not options.quiet
@@ -188,8 +277,15 @@ def _verify(options: argparse.Namespace) -> int:
     return 0 if verified.is_good else 1
 
 
+def files_read_by(settings: Any) -> list[str]:
+    single = (getattr(settings, name, None) for name in ("points", "directions", "weather", "weights"))
+    return [*settings.raster, *settings.meshes, *(name for name in single if name)]
+
+
 def _write(options: argparse.Namespace) -> int:
     study = open_study(options.folder)
+    if not options.output.is_dir():  # packed bits are written into a folder
+        require_other(options.output, files_read_by(study.plan.settings))
     (study.export if options.command == "export" else study.picture)(options.output, options.what)
     return 0
 
@@ -202,5 +298,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"gnomon-study: {error}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:
-        print("gnomon-study: stopped; the same command goes on from here", file=sys.stderr)
+        is_kept = options.command in ("run", "viewshed")
+        print(f"gnomon-study: stopped{'; the same command goes on from here' * is_kept}", file=sys.stderr)
         return 130

@@ -30,9 +30,6 @@ from .settings import Settings
 #: The most bytes that a caster's triangle takes: its corners on host and device, its share of the BVH, and the loading.
 BYTES_PER_TRIANGLE = 400
 
-#: Beams take coordinates up to here.
-FARTHEST_OF_BEAMS = 2.0**19
-
 
 class Answer(NamedTuple):
     """lit, undecided: planes of the receivers' answers; no answer is both. undecided is None where no answer is
@@ -59,6 +56,13 @@ def steps_of(values: NDArray[np.float64], exponent: int) -> NDArray[np.float64]:
     steps = np.ldexp(values, -exponent)
     below: NDArray[np.float64] = np.floor(steps)
     return below + (steps - below >= 0.5)
+
+
+def box_of(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(2, 3): the least and the greatest coordinates of points (n, 3); infinite if there are none. By columns, since
+    numpy's minima of many short rows take 20 times as long."""
+    low = [points[:, axis].min(initial=np.inf) for axis in range(3)]
+    return np.array([low, [points[:, axis].max(initial=-np.inf) for axis in range(3)]])
 
 
 def distances(boxes: NDArray[np.float64], box: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -112,7 +116,7 @@ class Decider:
         positions[:, 2] = curvature.lowered(positions[:, 0], positions[:, 1], positions[:, 2])
         lit = self._facing_of(part, towards, curvature)
         is_faced = np.zeros(len(towards), bool)  # suns for which a scene has decided the receivers' sides, too
-        low, high = positions.min(axis=0), positions.max(axis=0)
+        low, high = box_of(positions)
         box = np.array([low[0], low[1], high[0], high[1]])
         directions = towards.astype(np.float64)
         tiles, hit = self.pyramid.tiles_that_can_shadow(box, float(low[2]), directions, curvature, self.pad)
@@ -126,7 +130,7 @@ class Decider:
                 is_open = planes.unpacked(np.bitwise_or.reduce(lit, axis=1)[:, None], len(towards))[0]
                 suns, rows = suns[is_open[suns]], np.flatnonzero(np.bitwise_or.reduce(lit, axis=0))
             with self._scene_lock:
-                casters = self._load_scene(part, positions, tiles[group], curvature, unread)
+                casters = self._load_scene(part, positions, self._as_raster(tiles[group], tiles), curvature, unread)
                 is_faced[suns] |= self._shadow(casters, lift_normals, positions, towards, suns, rows, lit)
                 self._kept = casters if len(groups) == 1 and not unread else None
                 del casters
@@ -193,6 +197,21 @@ class Decider:
             count += triangles
         return groups
 
+    def _as_raster(self, group: NDArray[np.int64], tiles: NDArray[np.int64]) -> NDArray[np.int64]:
+        """A group of raster tiles filled up to a rectangle, which is decided faster, by tiles that can shadow no
+        receiver: those that are not in `tiles`. The group itself where a tile is another one, cannot be read, or where
+        the rectangle has more than 1.5 times its triangles, or too many."""
+        columns = self.casters.columns
+        if not len(group) or group.max() >= self.casters.rows * columns:
+            return group
+        row, column = np.divmod(group, columns)
+        rows, in_row = np.arange(row.min(), row.max() + 1), np.arange(column.min(), column.max() + 1)
+        filled = (rows[:, None] * columns + in_row).reshape(-1)
+        more, triangles = np.setdiff1d(filled, group), self.survey.triangles
+        count = int(triangles[filled].sum())
+        is_too_large = count > 1.5 * triangles[group].sum() or count * BYTES_PER_TRIANGLE > self.settings.memory_limit
+        return group if is_too_large or np.isin(more, tiles).any() or self.survey.unread[more].any() else filled
+
     def _load_scene(
         self,
         part: Part,
@@ -220,10 +239,10 @@ class Decider:
             faces.append(f + first)
             first += len(v)
         world, corners = np.concatenate(vertices), np.concatenate(faces)
-        low = np.minimum(world.min(axis=0, initial=np.inf), positions.min(axis=0))
-        high = np.maximum(world.max(axis=0, initial=-np.inf), positions.max(axis=0))
-        lattice = _gnomon.WorldLattice.around(np.stack([low, high]), self.exponent)
-        scene = Scene(lattice.snap(world)[0][corners], device=self.device) if len(corners) else None
+        boxes = np.stack([box_of(world), box_of(positions)])
+        box = np.stack([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
+        lattice = _gnomon.WorldLattice.around(box, self.exponent)
+        scene = Scene(np.take(lattice.snap(world)[0], corners, axis=0), device=self.device) if len(corners) else None
         return _CasterScene(part, tiles, lattice, scene, lattice.snap(positions)[0])
 
     def _mesh(self, tile: int, curvature: Curvature) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
@@ -241,7 +260,8 @@ class Decider:
         of it, as by Scene.lit(side=Side.vertices())."""
         if part.normals is not None:
             return scaled(part.normals)
-        low, high = positions.min(axis=0) - self.pad, positions.max(axis=0) + self.pad
+        low, high = box_of(positions)
+        low, high = low - self.pad, high + self.pad
         first_mesh = len(self.casters) - len(self.settings.meshes)
         near = [np.empty((0, 3, 3))]
         for tile in tiles[tiles >= first_mesh].tolist():
@@ -295,11 +315,8 @@ class Decider:
             normals[lifted] = of_rows[lifted]
             world = np.ascontiguousarray(positions[lifted if rows is None else rows[lifted]])
             snapped[lifted] = casters.lattice.lift(world, np.ascontiguousarray(normals[lifted]))
-        farthest = max(np.abs(casters.scene.bounds).max(), np.abs(snapped).max())
-        answer = casters.scene.lit_by(
-            snapped, Lights.directions(-towards[suns]), side=Side.normals(normals), bits=True,
-            settings={"many-lights": "beams" if farthest <= FARTHEST_OF_BEAMS else "auto"},
-        )  # fmt: skip
+        lights = Lights.directions(-towards[suns])
+        answer = casters.scene.lit_by(snapped, lights, side=Side.normals(normals), bits=True)
         _clear_others(lit, answer, suns, rows)
         return rows is None
 

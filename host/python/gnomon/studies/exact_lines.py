@@ -41,3 +41,24 @@ def is_seen(steps: NDArray[np.int32], none: int, eye: tuple[int, int, int, int],
             if top + share * rise <= ground:
                 return False
     return True
+
+
+def is_met(triangles: NDArray[np.int64], eye: NDArray[np.int64], target: NDArray[np.int64]) -> bool:
+    """Whether the open line between two points meets one of the closed triangles (F, 3, 3), which lie strictly across
+    it: edge-on triangles do not count. All are whole numbers."""
+    low, high = np.minimum(eye, target), np.maximum(eye, target)
+    is_near = (triangles.max(axis=1) >= low).all(axis=1) & (triangles.min(axis=1) <= high).all(axis=1)
+    e, t = ([int(v) for v in point] for point in (eye, target))
+    return any(_meets(triangle, e, t) for triangle in triangles[is_near].tolist())
+
+
+def _meets(triangle: list[list[int]], eye: list[int], target: list[int]) -> bool:
+    def volume(a: list[int], b: list[int], c: list[int]) -> int:
+        (x, y, z), (u, v, w), (p, q, r) = ([i - j for i, j in zip(end, eye, strict=True)] for end in (a, b, c))
+        return x * (v * r - w * q) - y * (u * r - w * p) + z * (u * q - v * p)
+
+    a, b, c = triangle
+    of_eye, to_target = volume(a, b, c), [volume(p, q, target) for p, q in ((a, b), (b, c), (c, a))]
+    is_inside = all(v >= 0 for v in to_target) or all(v <= 0 for v in to_target)
+    whole = sum(to_target)  # of the eye, a base and the target: the part beyond the triangle's plane follows
+    return whole != 0 and is_inside and 0 < of_eye * (1 if whole > 0 else -1) < abs(whole)

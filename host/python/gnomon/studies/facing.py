@@ -45,8 +45,9 @@ class GridFacing:
                 self._edge(k, self._row, self._column),
                 self._edge(k + 1, self._row, self._column),
             )
-            n = np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=1)
-            exists = np.asarray(np.isfinite(n).all(axis=1))
+            parts = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+            exists = np.logical_and.reduce([np.isfinite(part) for part in parts])
+            n = np.stack(parts, axis=1)
             n[~exists] = 0
             self._normals.append(n)
             self._exists.append(exists)

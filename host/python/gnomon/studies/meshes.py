@@ -7,8 +7,10 @@ clipping: trimesh divides all polygons into fans.
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import re
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -23,6 +25,10 @@ from .units import require_crs_of_mesh
 #: Lines of an .obj file that are no triangles: points, lines, curves and free-form surfaces.
 OTHERS_OF_OBJ = re.compile(r"^[ \t]*(p|l|curv2?|surf)[ \t]", re.MULTILINE)
 POLYGON_OF_OBJ = re.compile(r"^[ \t]*f(?:[ \t]+[^\s#]+){4}", re.MULTILINE)
+
+
+#: Vertices (V, 3), and the rows of each face's corners.
+Polygons = tuple[NDArray[np.float64], list[NDArray[np.int64]]]
 
 
 class MeshFile(NamedTuple):
@@ -40,10 +46,11 @@ def load(name: str) -> MeshFile:
     return _load(name, stamp_of(name))
 
 
-@functools.lru_cache(maxsize=4)
-def _load(name: str, stamp: tuple[int, int] | None) -> MeshFile:
+@contextlib.contextmanager
+def reading(name: str) -> Iterator[None]:
+    """Makes any error of a loader an UnreadableError that names the file."""
     try:
-        mesh = _loaded(name)
+        yield
     except UnreadableError:
         raise
     except Exception as error:  # a loader may raise anything at a broken file
@@ -51,6 +58,12 @@ def _load(name: str, stamp: tuple[int, int] | None) -> MeshFile:
         is_own = Path(name).suffix.lower() in (".ply", ".obj", ".off", ".stl", ".glb", ".gltf", ".json", ".jsonl")
         remedy = "" if is_own else "; write it as .ply, .obj or .glb, and give that"
         raise UnreadableError(text if text.startswith(name) else f"{name}: cannot be read: {error}{remedy}") from error
+
+
+@functools.lru_cache(maxsize=4)
+def _load(name: str, stamp: tuple[int, int] | None) -> MeshFile:
+    with reading(name):
+        mesh = _loaded(name)
     if not np.isfinite(mesh.triangles).all():
         raise UnreadableError(f"{name}: a coordinate is not finite")
     _arrays.require_no_fill_values(mesh.triangles.reshape(-1, 9), name)
@@ -75,11 +88,16 @@ def _loaded(name: str) -> MeshFile:
     if cityjson.is_cityjson(name):
         city = cityjson.load(name)
         return MeshFile(city.triangles, "z", city.notes, city.crs)
+    if is_gltf(name):
+        return _loaded_gltf(name)
+    found, notes = read_by_trimesh(name)
+    return MeshFile(of_polygons(*found) if isinstance(found, tuple) else found, "z", notes)
+
+
+def is_gltf(name: str) -> bool:
     with open(name, "rb") as file:
         is_glb = file.read(4) == b"glTF"
-    if is_glb or name.lower().endswith((".glb", ".gltf")):
-        return _loaded_gltf(name)
-    return _loaded_by_trimesh(name)
+    return is_glb or name.lower().endswith((".glb", ".gltf"))
 
 
 def _loaded_gltf(name: str) -> MeshFile:
@@ -91,7 +109,8 @@ def _loaded_gltf(name: str) -> MeshFile:
     return MeshFile(scene.take_triangles().astype(np.float64) if doubles is None else doubles, "y", notes)
 
 
-def _loaded_by_trimesh(name: str) -> MeshFile:
+def read_by_trimesh(name: str) -> tuple[Polygons | NDArray[np.float64], tuple[str, ...]]:
+    """The polygons of a file that has some, or its triangles (F, 3, 3); and what is left out."""
     import trimesh
 
     notes = []
@@ -101,7 +120,7 @@ def _loaded_by_trimesh(name: str) -> MeshFile:
         if suffix == ".obj" and (others := len(OTHERS_OF_OBJ.findall(text))):
             notes.append(f"{others} points, lines, curves or free-form surfaces are left out")
         if suffix == ".off" or POLYGON_OF_OBJ.search(text):
-            return MeshFile(of_polygons(*(_off(text) if suffix == ".off" else _obj(text))), "z", tuple(notes))
+            return (_off(text) if suffix == ".off" else _obj(text)), tuple(notes)
     scene: Any = trimesh.load_scene(name, process=False)
     meshes = [g for g in scene.geometry.values() if isinstance(g, trimesh.Trimesh)]
     if others := len(scene.geometry) - len(meshes):
@@ -111,17 +130,14 @@ def _loaded_by_trimesh(name: str) -> MeshFile:
         raise UnreadableError(f"{name}: has triangle strips, which are not read: export it with triangles as faces")
     polygons = _polygons_of_ply(raw)
     if polygons is not None:
-        return MeshFile(of_polygons(*polygons), "z", tuple(notes))
+        return polygons, tuple(notes)
     mesh: Any = scene.to_mesh()
     triangles = np.asarray(mesh.vertices, np.float64)[np.asarray(mesh.faces, np.int64)].reshape(-1, 3, 3)
     if scene.units not in (None, "m", "meter", "meters", "metre", "metres"):
         scale = trimesh.units.unit_conversion(scene.units, "meters")
         triangles = triangles * scale
         notes.append(f"its unit is {scene.units}: its coordinates are multiplied by {scale:g}")
-    return MeshFile(triangles, "z", tuple(notes))
-
-
-Polygons = tuple[NDArray[np.float64], list[NDArray[np.int64]]]
+    return triangles, tuple(notes)
 
 
 def _obj(text: str) -> Polygons:

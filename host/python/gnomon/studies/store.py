@@ -18,8 +18,6 @@ import datetime
 import functools
 import hashlib
 import json
-import os
-import uuid
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -28,24 +26,13 @@ import numpy as np
 import zarr
 from numpy.typing import NDArray
 
+from .._files import write_whole
 from .rasters import Mosaic
 from .receivers import RasterReceivers, Receivers
 from .settings import Settings
 from .suns import Suns
 
 RESULTS, PARTIALS = "results.zarr", "partials.zarr"
-
-
-def write_whole(path: Path, text: str) -> None:
-    """Writes a file that appears whole or not at all."""
-    partial = path.with_name(f".{path.name}.{uuid.uuid4().hex}.partial")
-    try:
-        with partial.open("w") as file:
-            file.write(text)
-        os.replace(partial, path)
-    except BaseException:
-        partial.unlink(missing_ok=True)
-        raise
 
 
 def sha256_of(data: bytes | memoryview) -> str:

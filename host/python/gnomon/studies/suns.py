@@ -165,7 +165,7 @@ def _azimuth_and_elevation(
     return positions["azimuth"].to_numpy(np.float64), positions[column].to_numpy(np.float64)
 
 
-class _Map:
+class Map:
     """Longitude, latitude and Jacobian of the map's points."""
 
     def __init__(self, crs: str | None) -> None:
@@ -202,7 +202,7 @@ class _Map:
 
 
 def _towards(
-    s: Settings, place: _Map, times: list[datetime.datetime], x: float, y: float
+    s: Settings, place: Map, times: list[datetime.datetime], x: float, y: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """(M, 3) unit vectors to the suns in the map's coordinates, and elevations in degrees."""
     azimuth, elevation = _azimuth_and_elevation(s, times, *place.longitude_and_latitude(x, y))
@@ -216,10 +216,10 @@ def _on_map(
     2) leads to; without it north is the map's."""
     a, e = np.radians(azimuth), np.radians(elevation)
     true = np.stack([np.sin(a) * np.cos(e), np.cos(a) * np.cos(e), np.sin(e)], axis=1)
-    return true if true_to_map is None else _stretched(true, true_to_map)
+    return true if true_to_map is None else stretched(true, true_to_map)
 
 
-def _stretched(true: NDArray[np.float64], true_to_map: NDArray[np.float64]) -> NDArray[np.float64]:
+def stretched(true: NDArray[np.float64], true_to_map: NDArray[np.float64]) -> NDArray[np.float64]:
     """(M, 3) unit vectors on the map of vectors on the true ground."""
     towards = np.column_stack([np.ascontiguousarray(true[:, :2]) @ true_to_map.T, true[:, 2]])
     return np.asarray(towards / np.linalg.norm(towards, axis=1, keepdims=True))
@@ -246,7 +246,7 @@ def suns_of(s: Settings, crs: str | None, box: tuple[float, float, float, float]
     if s.start is None:
         return _suns_of_table(s, crs, zones)
     times = _middles_of_steps(s)
-    place = _Map(s.crs or crs)
+    place = Map(s.crs or crs)
     directions = np.full((len(zones), len(times), 3), np.nan)
     for row, zone in enumerate(zones):
         towards, elevation = _towards(s, place, times, (zone[0] + 0.5) * s.zone, (zone[1] + 0.5) * s.zone)
@@ -282,7 +282,7 @@ def suns_of(s: Settings, crs: str | None, box: tuple[float, float, float, float]
 
 
 def _notes(
-    s: Settings, place: _Map, times: list[datetime.datetime], zones: NDArray[np.int64], is_counted: NDArray[np.bool_]
+    s: Settings, place: Map, times: list[datetime.datetime], zones: NDArray[np.int64], is_counted: NDArray[np.bool_]
 ) -> dict[str, Any]:
     """The record's notes. They say how far the suns of a zone's centre are off in its corners: the most that is found
     in the first, the middle and the last zone."""
@@ -375,7 +375,7 @@ def _towards_by_angles(
     """(Z, M, 3) unit vectors to suns whose azimuths count from true north; without a CRS that is the map's north."""
     if crs is None:
         return np.broadcast_to(_on_map(azimuth, elevation), (len(zones), len(azimuth), 3))
-    place = _Map(crs)
+    place = Map(crs)
     centres = (zones + 0.5) * s.zone
     return np.stack([_on_map(azimuth, elevation, place.jacobian(*xy)) for xy in centres.tolist()])
 
@@ -394,7 +394,7 @@ def _suns_of_weather(
     file = weather.read(s.weather)
     to_map = np.broadcast_to(np.eye(2), (len(zones), 2, 2))
     if (s.crs or crs) is not None:
-        place = _Map(s.crs or crs)
+        place = Map(s.crs or crs)
         longitude, latitude = place.longitude_and_latitude((box[0] + box[2]) / 2, (box[1] + box[3]) / 2)
         file.require_near(latitude, longitude)
         to_map = np.stack([place.jacobian(*xy) for xy in ((zones + 0.5) * s.zone).tolist()])
@@ -414,9 +414,9 @@ def _suns_of_weather(
         "direct_normal_left_out": f"{file.dni[~is_up].sum() * file.step / 1000:.3g} kWh/m2",
         "sky": f"{len(sky[0])} parts of Perez' sky by gendaymtx",
     }
-    stretched = np.stack([_stretched(true, jacobian) for jacobian in to_map])
+    on_map = np.stack([stretched(true, jacobian) for jacobian in to_map])
     return dataclasses.replace(
-        _weighed(s, zones, stretched, weights, notes),
+        _weighed(s, zones, on_map, weights, notes),
         true=true,
         to_map=to_map,
         is_sky=is_sky,

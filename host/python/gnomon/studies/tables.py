@@ -108,6 +108,7 @@ class SunTable(NamedTuple):
 
     towards: (M, 3) float32 vectors to the suns, or None. azimuth: (M,) degrees clockwise from true north, or None.
     elevation: (M,) degrees, or None. weights: (M,). below_horizon: the number of rows that were left out.
+    times: M texts of the column time, or nothing.
     """
 
     towards: NDArray[np.float32] | None
@@ -115,6 +116,7 @@ class SunTable(NamedTuple):
     elevation: NDArray[np.float64] | None
     weights: NDArray[np.float64]
     below_horizon: int
+    times: list[str]
 
 
 def read_suns(file: str) -> SunTable:
@@ -137,7 +139,8 @@ def read_suns(file: str) -> SunTable:
         is_up = elevation > 0
         azimuth, elevation = azimuth[is_up], elevation[is_up]
     towards = _directions(table, is_up)[is_up] if _has(table, "x", "y", "z") else None
-    return SunTable(towards, azimuth, elevation, weights[is_up], int((~is_up).sum()))
+    times = [table.text(row, "time") for row in np.flatnonzero(is_up).tolist()] if _has(table, "time") else []
+    return SunTable(towards, azimuth, elevation, weights[is_up], int((~is_up).sum()), times)
 
 
 def _directions(table: Any, is_up: NDArray[np.bool_]) -> NDArray[np.float32]:

@@ -18,6 +18,7 @@ import rasterio
 from numpy.typing import NDArray
 
 from .. import _gnomon
+from .._files import require_other
 from .record import digests, record_of
 from .runner import Execution, executor_of, run_plan
 from .tables import read_observers
@@ -51,6 +52,7 @@ def write_viewshed(
     """Runs a viewshed, or goes on with the one in the folder, writes its GeoTIFF, and returns the record, which stands
     in the file's tag `gnomon`, too. folder: the study's, which is kept; None: one beside the file, which is removed
     when the file is there."""
+    require_other(path, (*settings.raster, *settings.meshes))
     execution = execution or Execution()
     with _folder_of(path, settings, folder, execution.restart) as (where, restart):
         plan = viewshed_plan(where, settings, restart)

@@ -8,6 +8,7 @@ import functools
 import hashlib
 import json
 import threading
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +17,10 @@ from numpy.typing import NDArray
 
 from .. import _gnomon
 from .._earth import EARTH_RADIUS
-from .._viewshed import REFRACTION, ViewshedGrid, rounded_ground
-from .exact_lines import is_seen
+from .._viewshed import REFRACTION, Viewshed, ViewshedGrid, rounded_ground
+from .exact_lines import is_met, is_seen
+from .meshes import study_triangles
+from .obstacles import Obstacles
 from .rasters import Mosaic, open_mosaic, stamp_of
 from .receivers import Receivers
 from .store import Array, Store, create_arrays, put_raster_coordinates, write_whole
@@ -34,7 +37,8 @@ _NONE = _gnomon.NO_HEIGHT
 class ViewshedSettings:
     """What is asked of a raster: gnomon.viewshed() has the meanings. observers: x, y and the height of the eye of each.
     outputs: any of "bits", "counts" and, of one observer, "heights". tile: rows of a tile; None: as many as have 2^24
-    cells. block: observers of a task, a multiple of 32. Neither changes an answer."""
+    cells. block: observers of a task, a multiple of 32. Neither changes an answer. meshes: files of what stands on the
+    raster; mesh_up, mesh_offset: as in a study's Settings."""
 
     raster: tuple[str, ...]
     observers: tuple[tuple[float, float, float], ...]
@@ -47,6 +51,9 @@ class ViewshedSettings:
     outputs: tuple[str, ...] = ("bits",)
     tile: int | None = None
     block: int = 128
+    meshes: tuple[str, ...] = ()
+    mesh_up: str | None = None
+    mesh_offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
         if not self.observers:
@@ -57,6 +64,8 @@ class ViewshedSettings:
             raise ValueError(f"outputs: 'heights' is for one observer, and there are {len(self.observers)}")
         if "heights" in self.outputs and self.outside is not None:
             raise ValueError("outside: is not for heights")
+        if "heights" in self.outputs and self.meshes:
+            raise ValueError("mesh: is not for heights: a cell may be seen from below a bridge, and not from above it")
         if self.tile is not None and self.tile < 1:
             raise ValueError(f"tile: {self.tile} rows: must be at least 1")
         if self.block < 1 or self.block % 32:
@@ -99,7 +108,7 @@ class ViewshedPlan(TiledPlan):
         self.results = [name for output in self.settings.outputs for name in names[output]]
         self.has_sums = "counts" in self.settings.outputs
         self._device = device
-        self._lock = threading.Lock()
+        self._lock, self._lock_of_meshes = threading.Lock(), threading.Lock()
 
     @functools.cached_property
     def _grid(self) -> ViewshedGrid:
@@ -113,6 +122,24 @@ class ViewshedPlan(TiledPlan):
     def grid(self) -> ViewshedGrid:
         with self._lock:  # the threads of a process share it
             return self._grid
+
+    @functools.cached_property
+    def _obstacles(self) -> Obstacles | None:
+        return _obstacles_of(self.settings, self.mosaic, self.grid.ground)
+
+    def look(self, band: tuple[int, int], of: slice, bits: bool = False) -> Viewshed:
+        """What some observers see of some rows."""
+        s, places, heights = self.settings, self.places[of], self.heights[of]
+        with self._lock_of_meshes:
+            obstacles = self._obstacles
+        found = self.grid.band(
+            band, places, heights, s.target_height, s.distance, outside=s.outside,
+            bits=bits or obstacles is not None,
+        )  # fmt: skip
+        if obstacles is None:
+            return found
+        eyes, _ = self.grid.ground.eyes(places, heights, s.target_height)
+        return obstacles.past(found, eyes, band[0], self.grid.device)
 
     @property
     def device_name(self) -> str:
@@ -148,12 +175,10 @@ class ViewshedPlan(TiledPlan):
             facts["decisions"] = int(np.isfinite(least).sum())
         if s.outputs == ("heights",):
             return values, facts
-        found = self.grid.band(
-            band, places, heights, s.target_height, s.distance, outside=s.outside, bits="bits" in s.outputs
-        )
+        found = self.look(band, of, bits="bits" in s.outputs)
         facts |= {"decisions": int((~found.is_absent).sum()) * len(places), "seen": int(found.counts.sum()),
                   "undecided": int(found.undecided.sum())}  # fmt: skip
-        if found.bits is not None and found.undecided_bits is not None:
+        if "bits" in s.outputs and found.bits is not None and found.undecided_bits is not None:
             for i, planes in enumerate(zip(found.bits, found.undecided_bits, strict=True)):
                 word = of.start // 32 + i
                 for name, plane in zip(("seen", "undecided"), planes, strict=True):
@@ -190,7 +215,11 @@ class ViewshedPlan(TiledPlan):
                 lower = above > int(eyes[0, 3]) and is_seen(steps, _NONE, (x, y, top, above - 1), (row, column))
                 is_right = not lower and is_seen(steps, _NONE, (x, y, top, above), (row, column))
             else:
-                is_right = is_seen(steps, _NONE, (x, y, top, above), (row, column)) == (stated > 0)
+                truth = is_seen(steps, _NONE, (x, y, top, above), (row, column))
+                if truth and self._obstacles is not None:
+                    ends = self._obstacles.eye(eyes[0]), self._obstacles.target(row, column, above)
+                    truth = not is_met(self._obstacles.triangles, *ends)
+                is_right = truth == (stated > 0)
             followed += 1
             if not is_right:
                 wrong.append(f"observer {observer}, row {row}, column {column}")
@@ -205,11 +234,7 @@ class ViewshedPlan(TiledPlan):
         if "bits" in self.settings.outputs:
             word: NDArray[Any] = self.store.array("results.zarr/seen")[observer // 32, row]
             return word >> np.uint32(observer % 32) & np.uint32(1)
-        s, of = self.settings, slice(observer, observer + 1)
-        found = self.grid.band(
-            (row, row + 1), self.places[of], self.heights[of], s.target_height, s.distance, outside=s.outside
-        )
-        return found.counts[0]
+        return self.look((row, row + 1), slice(observer, observer + 1)).counts[0]
 
     def is_absent(self, tile: int) -> NDArray[np.bool_]:
         rows = self.receivers.slices(tile)[0]
@@ -233,13 +258,15 @@ def viewshed_plan(folder: Path, settings: ViewshedSettings, restart: bool = Fals
     """The plan of these settings in the folder, which is made if the folder has none. Raises ValueError if the folder
     holds another one, or a raster has changed since."""
     known = folder / "study.json"
-    stamps = {name: list(stamp_of(name) or ()) for name in settings.raster}
+    stamps = {name: list(stamp_of(name) or ()) for name in (*settings.raster, *settings.meshes)}
     if known.exists() and not restart:
         facts = json.loads(known.read_text())
-        if facts["settings"] != json.loads(settings.as_json()):
+        if ViewshedSettings.from_json(facts["settings"]) != settings:
             raise ValueError(f"{folder}: holds a study with other settings: choose another folder, or give restart")
         if facts["stamps"] != stamps:
-            raise ValueError(f"{folder}: a raster has changed since it began: choose another folder, or give restart")
+            raise ValueError(
+                f"{folder}: a raster or mesh has changed since it began: choose another folder, or give restart"
+            )
         return ViewshedPlan(folder, facts)
     facts = {"kind": "viewshed", "settings": json.loads(settings.as_json()), "stamps": stamps,
              "ground": _ground_of(settings)}  # fmt: skip
@@ -268,8 +295,23 @@ def _ground_of(s: ViewshedSettings) -> dict[str, Any]:
     rows = np.array(s.observers)
     _, moved = ground.eyes(rows[:, :2], rows[:, 2], s.target_height)
     ground.spans(rows[:1, :2], s.distance, (0, 1))
-    return {"step": 2.0**ground.exponent, "heights_moved_by": ground.largest_move, "observers_moved_by_cells": moved,
-            "cells": int((~ground.is_absent).sum())}  # fmt: skip
+    facts = {"step": 2.0**ground.exponent, "heights_moved_by": ground.largest_move, "observers_moved_by_cells": moved,
+             "cells": int((~ground.is_absent).sum())}  # fmt: skip
+    obstacles = _obstacles_of(s, mosaic, ground)
+    if obstacles is not None:
+        facts |= {"mesh_triangles": len(obstacles.triangles), "meshes_moved_by_cells": obstacles.moved[0],
+                  "meshes_moved_by": obstacles.moved[1]}  # fmt: skip
+    return facts
+
+
+def _obstacles_of(s: ViewshedSettings, mosaic: Mosaic, ground: Any) -> Obstacles | None:
+    if not s.meshes:
+        return None
+    files = [study_triangles(name, s.mesh_up, s.mesh_offset, mosaic.crs) for name in s.meshes]
+    for name, file in zip(s.meshes, files, strict=True):
+        for note in file.notes:
+            warnings.warn(f"{name}: {note}", stacklevel=2)
+    return Obstacles(ground, np.concatenate([file.triangles for file in files]))
 
 
 def _create_arrays(plan: ViewshedPlan) -> None:

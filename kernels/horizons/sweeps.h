@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: MIT
+// Contract of sweeps: over a raster, a height field whose vertices stand in rows and columns, one walk for each light
+// decides nearly all of the vertices. A raster has four copies of its heights (RasterCopies). A copy's lines lie one
+// after the other, each with RASTER_PAD vertices more on either side, as high as the vertex at the line's end.
+//
+// A light is seen in the copy and the direction in which its rays go from line to line, and on each line by `slope`
+// vertices to the side, from 0 to 1. Rays of one light do not cross; a strip has those that are less than a vertex
+// apart. So each line has one vertex of each strip, and a walk along the strip, from the light's side, meets all ground
+// that may block it. With heights over the plane through the rays, the walk keeps two bounds, straight lines across the
+// strip: no ground that was met is above `high`, and some of it is at `low` or above. The next lines of each vertex,
+// SWEEP_NEAR of them, are met along the vertex's own ray. A pair that stays open is walked alone, along its ray, where
+// the ground may be as high (RASTER_TILE).
+#pragma once
+
+#include "lights/light_bundle.h"
+
+#define RASTER_PAD 32
+#define MAX_RASTER_SIDE 16384u
+#define SWEEP_NEAR 4
+// A ray meets, on its way over SWEEP_NEAR lines, at most as many lines, rows and twice as many diagonals.
+#define MAX_SWEEP_CROSSINGS 16
+// A point's vertex is column << 16 | row.
+// A tile has so many lines and rows, and one more of each, which it shares with the next tile.
+#define RASTER_TILE 16
+#define NO_VERTEX 0xFFFFFFFFu
+
+GN_STRUCT_BEGIN(RasterParams)
+    TrianglesLayout triangles;
+    float corner[2], per_length[2];  // of columns and rows, along the ground's axes
+    uint columns, rows;              // of vertices
+    uint axis;                       // of heights (horizons/height_field.h)
+    uint padding;
+GN_STRUCT_END(RasterParams, 48)
+
+// What raster_check() finds: bits that say that the triangles are no raster, or which diagonals there are.
+#define RASTER_IS_NONE 1u
+#define RASTER_RISES 2u  // diagonals along which row and column both grow
+#define RASTER_FALLS 4u
+
+// Copies of heights, one after the other, float by float. In copies 0 and 1 the lines are columns, in 2 and 3 rows; in
+// 1 and 3 vertices of a line follow one another from the last to the first.
+GN_STRUCT_BEGIN(RasterCopies)
+    ulong first[4];  // of the first line's vertex
+    uint stride[4];  // of lines
+    uint columns, rows;
+    float lowest;       // which is subtracted from all heights
+    uint first_top[4];  // of the greatest heights of tiles: tops[first_top + line of tiles * tops_of_line + tile]
+    uint tops_of_line[4];
+    uint padding;
+GN_STRUCT_END(RasterCopies, 96)
+
+// Where a ray from a vertex meets an edge: between two vertices, at floats from the vertex's own.
+GN_STRUCT_BEGIN(SweepCrossing)
+    int low, high;  // the edge's ends
+    float share_low, share_high;
+    float climb;  // of the ray up to there
+    uint lines;   // which the ray needs ahead
+    int rows;     // which it needs to the side
+    uint padding;
+GN_STRUCT_END(SweepCrossing, 32)
+
+// The edges of one kind that a ray meets: edge k (from 1 on) after k times this many lines.
+GN_STRUCT_BEGIN(SweepEdges)
+    uint lines, part;  // whole lines, and a rest, whole numbers of 2^-32
+    float rate;        // edges to a line; 0: the ray meets none on the raster
+GN_STRUCT_END(SweepEdges, 12)
+#define SWEEP_LINES 0
+#define SWEEP_ROWS 1
+#define SWEEP_DIAGONALS 2
+
+GN_STRUCT_BEGIN(LightSweep)
+    ulong first;                // of the line that is farthest from the light
+    int line_stride;            // to the next line towards the light
+    uint lines, rows;           // lines, and vertices of a line
+    uint slope;                 // vertices to the side on each line, whole numbers of 2^-32
+    float climb;                // of a ray from line to line
+    float margin, near_margin;  // more than all errors of bounds; of crossings
+    float highest;              // the greatest height
+    uint crossing_count;        // 0: the light has no sweep
+    uint shift;                 // strip of a vertex: its row - its line's base - 1 + shift
+    uint blocks;                // of GN_LANES strips
+    uint first_answer;  // answers[first_answer + line * blocks + block]: bit l: lit, bit 16 + l: open, of strip l
+    uint is_rising;     // of the copy's diagonals, as the light's rays go
+    uint is_along_y, is_line_turned, is_row_turned;  // from column and row to line and row of the sweep
+    float share;                                     // slope, as a float
+    uint first_base;                                 // bases[first_base + line] is base_at() of the line
+    uint first_top, tops_of_line;                    // of the copy
+    SweepEdges edges[3];                             // lines, rows, diagonals
+    uint padding;
+    SweepCrossing crossings[MAX_SWEEP_CROSSINGS];  // the nearest first
+GN_STRUCT_END(LightSweep, 640)
+
+GN_STRUCT_BEGIN(SweepParams)
+    PointsLayout points;  // of a part of the sorted points
+    uint bundle_count, mask_stride;
+    uint task_count;  // of all sweeps
+    uint padding;
+GN_STRUCT_END(SweepParams, 64)
+
+#ifndef __cplusplus
+// Whole vertices and the rest to the side, at a line.
+static uint base_at(__global const LightSweep* sweep, uint line) { return mul_hi(sweep->slope, line); }
+static float rest_at(__global const LightSweep* sweep, uint line) { return (float)(sweep->slope * line) * 0x1p-32f; }
+#endif
