@@ -52,7 +52,7 @@ inline std::uint32_t bvh_width(const cl::Session& session) {
 /// GPU.
 inline cl::Range bvh_range(const cl::Session& session, std::size_t tasks) {
     constexpr std::size_t max_groups = 65536;
-    return session.is_cpu() ? session.uneven_items(tasks, 1)
+    return session.is_cpu() ? cl::Range::shares(tasks)
                             : cl::Range::groups_of(bvh_width(session), std::min(tasks, max_groups));
 }
 

@@ -344,7 +344,7 @@ static void store_dark(const BeamParams params, const BeamWork* work, __global u
 __kernel void beam_trace(const BeamParams params, __global const LightBundle* bundles, __global const float* nodes,
                          __global const float* leaves, __global const uint* ids, __global const float* positions,
                          __global const uint* receivers, __global const float* surface_normals, __global uint* masks,
-                         __global BeamPairs* queue, __global BeamCounters* counters, __local uint* shared) {
+                         __global BeamPairs* queue, __global BeamCounters* counters, __local uint* shared GN_SHARES) {
     BeamScene scene = {nodes, leaves, ids, queue, params.queue_capacity, params.rounding, counters};
     Reservation mine = no_reservation();
     uint blocks = (params.points.count + BVH_WIDTH - 1u) / BVH_WIDTH;
@@ -353,7 +353,7 @@ __kernel void beam_trace(const BeamParams params, __global const LightBundle* bu
     __global const float* normals = surface_normals + params.points.first;
     BlockMemory memory;
     begin_memory(&memory);
-    GN_FOR_EACH(task, (size_t)groups * params.bundle_count) {
+    BEAM_FOR_EACH(task, (size_t)groups * params.bundle_count) {
         uint index = (uint)(task / groups), block = (uint)(task % groups) * PACKET_BLOCKS, left_count = 0u;
         __global const LightBundle* bundle = &bundles[index];
         BeamWork left[PACKET_BLOCKS];
@@ -379,6 +379,7 @@ __kernel void beam_trace(const BeamParams params, __global const LightBundle* bu
     }
 #endif
     close_queue(&mine, &scene);
+    GN_END_SHARES;
 }
 
 // The lights' fourth homogeneous coordinate.

@@ -22,7 +22,7 @@ __kernel void point_beam_trace(const BeamParams params, __global const LightBund
                                __global const float* nodes, __global const float* leaves, __global const uint* ids,
                                __global const float* positions, __global const uint* receivers,
                                __global const float* planes, __global uint* masks, __global BeamPairs* queue,
-                               __global BeamCounters* counters, __local uint* shared) {
+                               __global BeamCounters* counters, __local uint* shared GN_SHARES) {
     BeamScene scene = {nodes, leaves, ids, queue, params.queue_capacity, params.rounding, counters};
     Reservation mine = no_reservation();
     uint first = params.points.first / 3u, blocks = (params.points.count + BVH_WIDTH - 1u) / BVH_WIDTH;
@@ -48,4 +48,5 @@ __kernel void point_beam_trace(const BeamParams params, __global const LightBund
         }
     }
     close_queue(&mine, &scene);
+    GN_END_SHARES;
 }
