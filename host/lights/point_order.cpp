@@ -103,8 +103,14 @@ void SortedPoints::sort(const Inputs& in) {
     cl::Buffer low(session, words), high(session, words), sorted_high(session, words);
     session.launch("lights/point_order.cl", "point_codes", cl::Range::items(count), in.params, in.vertices,
                    in.points.positions, in.points.receivers, in.normals, low, high, order_);
-    // The sort keeps the order of equal keys, so the lower half goes first.
     Sort sort;
+    // Fewer points, on surfaces, share a cell of the upper half with few others.
+    constexpr cl_uint few = 16u << 2 * POINT_CODE_BITS;
+    if (count <= few) {
+        sort.run(session, count, high, order_);
+        return;
+    }
+    // The sort keeps the order of equal keys, so the lower half goes first.
     sort.run(session, count, low, order_, 3 * POINT_CODE_BITS);
     session.launch("lights/point_order.cl", "point_reorder", cl::Range::items(count), count, high, order_, sorted_high);
     sort.run(session, count, sorted_high, order_);
