@@ -12,6 +12,8 @@
 namespace gnomon {
 namespace {
 
+constexpr const char* file = "lights/point_order.cl";
+
 PointsLayout packed(PointsLayout layout) {
     layout.picture_width = 0;
     layout.point_stride = 3;
@@ -46,8 +48,7 @@ struct SortedPoints::Inputs {
         cl::Buffer bounds(session, POINT_BOUNDS_WORDS * sizeof(cl_uint));
         const cl_uint none[POINT_BOUNDS_WORDS] = {GN_NO_ID, GN_NO_ID, GN_NO_ID, 0, 0, 0};
         session.write(bounds.get(), none, sizeof(none));
-        session.launch("lights/point_order.cl", "point_bounds", cl::Range::items(points.layout.count), params,
-                       points.positions, bounds);
+        session.launch(file, "point_bounds", cl::Range::items(points.layout.count), params, points.positions, bounds);
         const auto box = bounds_of_keys(session.read_values<cl_uint>(bounds.get(), POINT_BOUNDS_WORDS));
         if (!box) return 0;
         params.grid = morton_grid(*box, 2 * POINT_CODE_BITS);
@@ -71,7 +72,7 @@ SortedPoints SortedPoints::sample(std::size_t share, const LightsRun& run) const
     some.layout_.count = static_cast<cl_uint>(std::min<std::size_t>(runs * POINTS_OF_RUN, layout_.count));
     some.largest_coordinate_ = largest_coordinate_;
     some.order_.reserve(in.session, some.layout_.count * sizeof(cl_uint));
-    in.session.launch("lights/point_order.cl", "point_sample", cl::Range::items(some.layout_.count), some.layout_.count,
+    in.session.launch(file, "point_sample", cl::Range::items(some.layout_.count), some.layout_.count,
                       static_cast<cl_uint>(share), order_, some.order_);
     some.gather(in);
     return some;
@@ -86,7 +87,7 @@ void SortedPoints::gather(Inputs& in) {
     normals_.reserve(in.session, in.params.has_normals != 0 ? 3 * words + room : 0);
     surface_normals_.reserve(in.session, 3 * words + room);
     in.params.points.count = layout_.count;
-    in.session.launch("lights/point_order.cl", "point_gather", cl::Range::items(layout_.count), in.params, in.vertices,
+    in.session.launch(file, "point_gather", cl::Range::items(layout_.count), in.params, in.vertices,
                       in.points.positions, in.points.receivers, in.normals, order_, positions_, receivers_, normals_,
                       surface_normals_);
 }
@@ -97,23 +98,20 @@ void SortedPoints::sort(const Inputs& in) {
     const std::size_t words = count * sizeof(cl_uint);
     order_.reserve(session, words);
     if (in.points.layout.picture_width != 0) {
-        session.launch("lights/point_order.cl", "picture_order", cl::Range::items(count), in.params, order_);
+        session.launch(file, "picture_order", cl::Range::items(count), in.params, order_);
         return;
     }
     cl::Buffer low(session, words), high(session, words), sorted_high(session, words);
-    session.launch("lights/point_order.cl", "point_codes", cl::Range::items(count), in.params, in.vertices,
-                   in.points.positions, in.points.receivers, in.normals, low, high, order_);
+    session.launch(file, "point_codes", cl::Range::items(count), in.params, in.vertices, in.points.positions,
+                   in.points.receivers, in.normals, low, high, order_);
     Sort sort;
-    // Fewer points, on surfaces, share a cell of the upper half with few others.
-    constexpr cl_uint few = 16u << 2 * POINT_CODE_BITS;
-    if (count <= few) {
-        sort.run(session, count, high, order_);
-        return;
+    // The sort keeps the order of equal keys. For few points the upper half is enough.
+    if (count > 16u << 2 * POINT_CODE_BITS) {
+        sort.run(session, count, low, order_, 3 * POINT_CODE_BITS);
+        session.launch(file, "point_reorder", cl::Range::items(count), count, high, order_, sorted_high);
+        std::swap(high, sorted_high);
     }
-    // The sort keeps the order of equal keys, so the lower half goes first.
-    sort.run(session, count, low, order_, 3 * POINT_CODE_BITS);
-    session.launch("lights/point_order.cl", "point_reorder", cl::Range::items(count), count, high, order_, sorted_high);
-    sort.run(session, count, sorted_high, order_);
+    sort.run(session, count, high, order_);
 }
 
 Points SortedPoints::as_points(const Device& device, const Points& given) const {
