@@ -308,7 +308,7 @@ glm::dmat3 Content::axes_of_largest_triangle(const Scene& scene) const {
         const glm::dvec3 a = loaded(t), b = loaded(t + 3), c = loaded(t + 6), across = cross(b - a, c - a);
         if (dot(across, across) <= dot(normal, normal) || !has(t)) return;
         normal = across;
-        side = std::ranges::min({b - a, c - b, a - c}, {}, [](const glm::dvec3& v) { return dot(v, v); });
+        side = std::min({b - a, c - b, a - c}, [](auto& v, auto& w) { return dot(v, v) < dot(w, w); });
     });
     if (!make_unit(normal) || !make_unit(side)) return glm::dmat3(1);
     return transpose(glm::dmat3(normal, side, cross(normal, side)));
