@@ -21,7 +21,7 @@ if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=ccache;
 requirements='import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["build-system"]["requires"], sep="\n")'
 "${pip[@]}" install --requirement <("$build/venv/bin/python" -c "$requirements")
 # The folder lies as deep as the release build's: then a compiler cache knows most files from there.
-shared=(--no-build-isolation --config-settings=build-dir="$build-objects" --config-settings=cmake.define.GNOMON_WERROR=ON)
+shared=(--no-build-isolation --config-settings=build-dir="$build-objects")
 "${pip[@]}" wheel . --no-deps --wheel-dir "$build/wheel" "${shared[@]}"
 wheel=$(echo "$build"/wheel/gnomon-*.whl)
 echo "-- docs/python.md's lines of pip, of which README.md has one"
