@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "horizons/horizons.hpp"
-#include "light_tables/light_masks.hpp"
+#include "support/decided_lights.hpp"
 #include "support/device.hpp"
 #include "support/terrains.hpp"
 
@@ -56,19 +56,9 @@ gnomon::Lights lights_of_sectors(int axis, std::size_t count, std::uint64_t seed
     return gnomon::Lights(lights);
 }
 
-struct Decided {
-    std::size_t pairs = 0, lit = 0, dark = 0;
-    void operator+=(const Decided& other) {
-        pairs += other.pairs;
-        lit += other.lit;
-        dark += other.dark;
-    }
-};
-
 /// Compares what horizons decide with the oracle.
-Decided expect_decisions(const gnomon::Device& device, LightScene scene, const gnomon::Lights& lights) {
+Decided expect_decisions(const gnomon::Device& device, const LightScene& scene, const gnomon::Lights& lights) {
     SCOPED_TRACE(scene.name);
-    gnomon::cl::Session& session = gnomon::session_of(device);
     const auto triangles = gnomon::Triangles::upload(device, scene.triangles);
     const gnomon::BuiltHeightField field(device, triangles);
     EXPECT_TRUE(field.is_field());
@@ -88,28 +78,7 @@ Decided expect_decisions(const gnomon::Device& device, LightScene scene, const g
     const gnomon::PointPart part{0, points.count()};
     masks.face(part);
     horizons.decide(sorted.part(0, points.count()), masks.for_horizons());
-    const std::size_t words = masks.max_points() * bundles->bundles.size();
-    const auto open = session.read_values<std::uint32_t>(masks.masks().get(), words);
-    const auto lit = session.read_values<std::uint32_t>(masks.for_horizons().lit.get(), words);
-    const auto order = session.read_values<std::uint32_t>(sorted.order().get(), points.count());
-    Decided decided;
-    for (std::size_t slot = 0; slot < bundles->lights.size(); ++slot) {
-        const std::uint32_t light = bundles->lights[slot];
-        if (light == gnomon::no_light) continue;
-        scene.light = lights.lights()[light].xyzw;
-        const std::vector<float> truth = truth_of(scene);
-        for (std::size_t i = 0; i < points.count(); ++i) {
-            const std::size_t word = slot / 32 * masks.max_points() + i;
-            const bool is_open = (open[word] >> slot % 32 & 1) != 0, is_lit = (lit[word] >> slot % 32 & 1) != 0;
-            EXPECT_FALSE(is_open && is_lit);
-            ++decided.pairs;
-            if (is_open) continue;
-            EXPECT_EQ(is_lit, truth[order[i]] != 0) << "point " << order[i] << ", light " << light;
-            ++(is_lit ? decided.lit : decided.dark);
-        }
-        if (testing::Test::HasFailure()) break;
-    }
-    return decided;
+    return expect_truth(scene, run, sorted, *bundles, masks);
 }
 
 TEST(Horizons, DecideNothingOtherThanTheOracle) {
@@ -132,7 +101,7 @@ TEST(Horizons, DecideNothingOtherThanTheOracle) {
                     all += expect_decisions(device, scene, lights_of_sectors(axis, 70, seed));
                     if (HasFailure()) return;
                 }
-        std::cout << all.pairs << " pairs, " << all.lit << " lit, " << all.dark << " dark\n";
+        std::cout << all << '\n';
         EXPECT_GT(all.lit, all.pairs / 4);
         EXPECT_GT(all.dark, all.pairs / 30);
     }
@@ -259,7 +228,7 @@ TEST(Horizons, DecideMostPairsOfVertices) {
         lights.push_back(gnomon::Light::directional({-std::cos(azimuth), -height, -std::sin(azimuth)}));
     }
     const Decided decided = expect_decisions(device, scene, gnomon::Lights(lights));
-    std::cout << decided.pairs << " pairs, " << decided.lit << " lit, " << decided.dark << " dark\n";
+    std::cout << decided << '\n';
     EXPECT_GT(decided.lit + decided.dark, decided.pairs * 3 / 4);
     EXPECT_GT(decided.dark, decided.pairs / 20);
 }

@@ -7,7 +7,7 @@
 
 #include <numbers>
 
-#include "light_tables/light_masks.hpp"
+#include "support/decided_lights.hpp"
 #include "support/device.hpp"
 #include "support/terrains.hpp"
 
@@ -44,22 +44,9 @@ gnomon::Lights lights_over(int axis, std::size_t count, std::uint64_t seed) {
     return gnomon::Lights(lights);
 }
 
-struct Decided {
-    std::size_t pairs = 0, lit = 0, dark = 0;
-    void operator+=(const Decided& other) {
-        pairs += other.pairs;
-        lit += other.lit;
-        dark += other.dark;
-    }
-    friend std::ostream& operator<<(std::ostream& to, const Decided& of) {
-        return to << of.pairs << " pairs, " << of.lit << " lit, " << of.dark << " dark";
-    }
-};
-
 /// Compares what sweeps decide with the oracle.
-Decided expect_decisions(const gnomon::Device& device, LightScene scene, const gnomon::Lights& lights) {
+Decided expect_decisions(const gnomon::Device& device, const LightScene& scene, const gnomon::Lights& lights) {
     SCOPED_TRACE(scene.name);
-    gnomon::cl::Session& session = gnomon::session_of(device);
     const auto triangles = gnomon::Triangles::upload(device, scene.triangles);
     const gnomon::BuiltRaster raster(device, triangles);
     EXPECT_TRUE(raster.is_raster());
@@ -79,29 +66,7 @@ Decided expect_decisions(const gnomon::Device& device, LightScene scene, const g
     masks.reserve(points.count());
     masks.face({0, points.count()});
     sweeps.decide(sorted.part(0, points.count()), masks.for_horizons());
-    const std::size_t words = masks.max_points() * bundles.bundles.size();
-    const auto open = session.read_values<std::uint32_t>(masks.masks().get(), words);
-    const auto lit = session.read_values<std::uint32_t>(masks.for_horizons().lit.get(), words);
-    const auto order = session.read_values<std::uint32_t>(sorted.order().get(), points.count());
-    Decided decided;
-    for (std::size_t slot = 0; slot < bundles.lights.size(); ++slot) {
-        const std::uint32_t light = bundles.lights[slot];
-        if (light == gnomon::no_light) continue;
-        scene.light = lights.lights()[light].xyzw;
-        const std::vector<float> truth = truth_of(scene);
-        for (std::size_t i = 0; i < points.count(); ++i) {
-            const std::size_t word = slot / 32 * masks.max_points() + i;
-            const bool is_open = (open[word] >> slot % 32 & 1) != 0, is_lit = (lit[word] >> slot % 32 & 1) != 0;
-            EXPECT_FALSE(is_open && is_lit);
-            ++decided.pairs;
-            if (is_open) continue;
-            EXPECT_EQ(is_lit, truth[order[i]] != 0) << "point " << order[i] << ", light " << light << ": "
-                                                    << scene.light[0] << "," << scene.light[1] << "," << scene.light[2];
-            ++(is_lit ? decided.lit : decided.dark);
-        }
-        if (testing::Test::HasFailure()) break;
-    }
-    return decided;
+    return expect_truth(scene, run, sorted, bundles, masks);
 }
 
 /// All of its triangles have the other diagonal.
