@@ -358,6 +358,19 @@ Lights suns_of_sectors(std::size_t count) {
     return Lights(lights);
 }
 
+/// Calls use(options, bundle) for the sides that a run of the scene may have: none, an eye's, and the winding's.
+template <typename Use>
+void for_each_side(LightScene& scene, const Use& use) {
+    for (int side = 0; side < 3; ++side) {
+        SCOPED_TRACE("side " + std::to_string(side));
+        gnomon::RunOptions options;
+        scene.eye.reset();
+        if (side == 1) scene.eye = Float3{3, 300, -7};
+        if (side == 2) options.facing = gnomon::Facing::winding();
+        use(options, side == 0 ? "32" : "7");
+    }
+}
+
 TEST(ManyLights, HorizonsChangeNoBitWhateverTheSideAndTheDeviceExhaustive) {
     LightScene scene = points_on_terrain(700);
     const Lights lights = suns_of_sectors(150);
@@ -368,19 +381,15 @@ TEST(ManyLights, HorizonsChangeNoBitWhateverTheSideAndTheDeviceExhaustive) {
         if (kind == 3) device_options.work_group_size = 3;
         if (kind == 4) device_options.memory_limit_bytes = 5 << 20;
         const gnomon::Device device({}, device_options);
-        for (int side = 0; side < 3; ++side) {
-            SCOPED_TRACE("device " + std::to_string(kind) + ", side " + std::to_string(side));
-            gnomon::RunOptions options;
-            scene.eye.reset();
-            if (side == 1) scene.eye = Float3{3, 300, -7};
-            if (side == 2) options.facing = gnomon::Facing::winding();
+        SCOPED_TRACE("device " + std::to_string(kind));
+        for_each_side(scene, [&](const gnomon::RunOptions& options, const char* bundle) {
             const auto one = run(device, scene, lights, "one-by-one", options);
-            const auto horizons = run(device, scene, lights, "horizons", options, side == 0 ? "32" : "7");
+            const auto horizons = run(device, scene, lights, "horizons", options, bundle);
             EXPECT_EQ(one.bits, horizons.bits);
             EXPECT_EQ(one.sums, horizons.sums);
             EXPECT_TRUE(std::ranges::any_of(horizons.statistics.stages,
                                             [](const auto& stage) { return stage.name == "horizons"; }));
-        }
+        });
     }
 }
 
@@ -404,20 +413,16 @@ TEST(ManyLights, SweepsChangeNoBitWhateverTheSideAndTheDevice) {
         if (kind == 2) device_options.work_group_size = 3;
         if (kind == 3) device_options.memory_limit_bytes = 5 << 20;
         const gnomon::Device device({}, device_options);
-        for (int side = 0; side < 3; ++side) {
-            SCOPED_TRACE("device " + std::to_string(kind) + ", side " + std::to_string(side));
-            gnomon::RunOptions options;
-            scene.eye.reset();
-            if (side == 1) scene.eye = Float3{3, 300, -7};
-            if (side == 2) options.facing = gnomon::Facing::winding();
+        SCOPED_TRACE("device " + std::to_string(kind));
+        for_each_side(scene, [&](const gnomon::RunOptions& options, const char* bundle) {
             const auto rays = run(device, scene, lights, "rays", options);
-            const auto sweeps = run(device, scene, lights, "sweeps", options, side == 0 ? "32" : "7");
+            const auto sweeps = run(device, scene, lights, "sweeps", options, bundle);
             EXPECT_EQ(rays.bits, sweeps.bits);
             EXPECT_EQ(rays.sums, sweeps.sums);
             EXPECT_EQ(rays.counts, sweeps.counts);
             EXPECT_TRUE(std::ranges::any_of(sweeps.statistics.stages,
                                             [](const auto& stage) { return stage.name == "sweeps"; }));
-        }
+        });
     }
 }
 
