@@ -41,7 +41,7 @@ GN_INLINE_ON_CPU void decide_lanes(const BeamEdges* e, PointBlock p, __global co
 __kernel void filter_by_points(uint count, PointsLayout layout, __global const float* roundings,
                                __global const LightBundle* bundles, __global const uint* cones,
                                __global const float* positions, __global const float* leaves,
-                               __global Decisions* decisions, __local uint* shared) {
+                               __global Decisions* decisions, __local uint* shared GN_SHARES) {
     BEAM_FOR_EACH(i, count * BVH_WIDTH) {
         size_t of = i / BVH_WIDTH;
         float3 p = load_point(positions, layout, i);
@@ -51,13 +51,14 @@ __kernel void filter_by_points(uint count, PointsLayout layout, __global const f
         BeamEdges e = edges_of(&t, same_in_lanes(p), REACH_OF(&beam));
         decide_lanes(&e, same_in_lanes(p), &bundles[of], cones[of], decisions, i * BVH_WIDTH, 1u SHARED);
     }
+    GN_END_SHARES;
 }
 
 // Lanes are the block's points, for each triangle.
 __kernel void filter_by_triangles(uint count, PointsLayout layout, __global const float* roundings,
                                   __global const LightBundle* bundles, __global const uint* cones,
                                   __global const float* positions, __global const float* leaves,
-                                  __global Decisions* decisions, __local uint* shared) {
+                                  __global Decisions* decisions, __local uint* shared GN_SHARES) {
     BEAM_FOR_EACH(i, count) {
 #if GN_LANES > 1
         PointBlock p = load_block(positions, layout, i);
@@ -74,4 +75,5 @@ __kernel void filter_by_triangles(uint count, PointsLayout layout, __global cons
             decide_lanes(&e, p, &bundles[i], cones[i], decisions, i * BVH_WIDTH * BVH_WIDTH + k, BVH_WIDTH SHARED);
         }
     }
+    GN_END_SHARES;
 }

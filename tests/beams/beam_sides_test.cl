@@ -12,7 +12,8 @@ static float3 case_point(__global const float* positions, PointsLayout layout, s
 __kernel void meet_block(uint count, PointsLayout layout, __global const float* roundings,
                          __global const LightCone* cones, __global const float* positions,
                          __global const float* normals, __global const float* nodes, __global const float* leaves,
-                         __global uint* boxes, __global uint* triangles, __global uint* points, __local uint* shared) {
+                         __global uint* boxes, __global uint* triangles, __global uint* points,
+                         __local uint* shared GN_SHARES) {
     BEAM_FOR_EACH(i, count) {
 #if GN_LANES > 1
         PointBlock p = load_block(positions, layout, i);
@@ -37,6 +38,7 @@ __kernel void meet_block(uint count, PointsLayout layout, __global const float* 
             triangles[i] = some;
         }
     }
+    GN_END_SHARES;
 }
 
 // boxes: those of the node that the beam of the first point may meet. normals[i] is the surface's if begins[i] < 0,
@@ -44,7 +46,7 @@ __kernel void meet_block(uint count, PointsLayout layout, __global const float* 
 __kernel void meet_point(uint count, PointsLayout layout, __global const float* roundings,
                          __global const LightCone* cones, __global const float* positions,
                          __global const float* normals, __global const float* begins, __global const float* nodes,
-                         __global uint* boxes, __local uint* shared) {
+                         __global uint* boxes, __local uint* shared GN_SHARES) {
     BEAM_FOR_EACH(i, count) {
         PointPlane plane = {vload3(i, normals), begins[i] >= 0.0f, begins[i]};
         Beam beam = beam_of_point(case_point(positions, layout, i), plane, roundings[i], &cones[i]);
@@ -52,4 +54,5 @@ __kernel void meet_point(uint count, PointsLayout layout, __global const float* 
         uint met = BEAM_BITS(boxes_in_beam(nodes + i * (BVH_NODE_ROWS * BVH_WIDTH), &beam, &nearness));
         if (get_local_id(0) == 0 || GN_LANES > 1) boxes[i] = met;
     }
+    GN_END_SHARES;
 }

@@ -6,7 +6,8 @@
 // highest[i]: the most entries of its stack.
 __kernel void walk_blocks(uint count, PointsLayout layout, float rounding, __global const LightCone* cone,
                           __global const float* positions, __global const float* nodes, uint most,
-                          __global uint* leaves, __global uint* counts, __global uint* highest, __local uint* shared) {
+                          __global uint* leaves, __global uint* counts, __global uint* highest,
+                          __local uint* shared GN_SHARES) {
     BeamScene scene = {nodes, 0, 0, 0, 0u, rounding, 0};
     BEAM_FOR_EACH(i, count) {
 #if GN_LANES > 1
@@ -30,6 +31,7 @@ __kernel void walk_blocks(uint count, PointsLayout layout, float rounding, __glo
         counts[i] = found;
         highest[i] = max_entries;
     }
+    GN_END_SHARES;
 }
 
 // The leaves that are remembered after each of some codes: those of code n from remembered[n BLOCKING_LEAVES] on.
