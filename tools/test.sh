@@ -110,7 +110,7 @@ tools/fuzz.sh 30
 step "Python package and other drivers, side by side: both mostly wait for one compiler"
 tools/test_drivers.sh build >build/drivers.log 2>&1 &
 status=0
-tools/test_python.sh || status=1
+CMAKE_ARGS=-DGNOMON_WERROR=ON tools/test_python.sh || status=1  # the release build's objects, from ccache
 wait $! || status=1
 cat build/drivers.log
 step "Done"

@@ -16,11 +16,13 @@ if ! "${pip[@]}" download --no-deps --dest "$build/probe" nanobind; then
     exit 0
 fi
 
+# Python names another compiler than CMake does (g++, not c++), which a compiler cache takes for another one.
+export CXX=${CXX:-c++}
 if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=ccache; fi
 # What the build needs lies in the environment and not in one of each build, so that all builds share their objects.
 requirements='import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["build-system"]["requires"], sep="\n")'
 "${pip[@]}" install --requirement <("$build/venv/bin/python" -c "$requirements")
-# The folder lies as deep as the release build's: then a compiler cache knows the files of one without GNOMON_WERROR.
+# The folder lies as deep as the release build's: then a compiler cache knows the files of one with the same options.
 shared=(--no-build-isolation --config-settings=build-dir="$build-objects")
 "${pip[@]}" wheel . --no-deps --wheel-dir "$build/wheel" "${shared[@]}"
 wheel=$(echo "$build"/wheel/gnomon-*.whl)
