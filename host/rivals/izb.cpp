@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "rivals/izb.hpp"
 
-#include <algorithm>
-
 #include "occluders/occluder_lists.hpp"
 #include "query/statistics.hpp"
 #include "rivals/framed_technique.hpp"
@@ -23,30 +21,28 @@ IzbParams Izb::params(const TraceInputs& inputs, cl_uint queue_capacity) const {
 
 void Izb::run(cl::Session& session, const TraceInputs& inputs) {
     const PointInputs& points = inputs.points;
-    const cl_uint bin_count = inputs.light_frame.bins_x * inputs.light_frame.bins_y;
-    const std::size_t bin_bytes = bin_count * sizeof(cl_uint);
-    // Each bin's list is padded to a multiple of the lanes, and no more bins than points can need padding.
-    const std::size_t padding = (session.lanes() - 1) * std::min<std::size_t>(bin_count, points.layout.count);
-    const std::size_t slots = (points.layout.count + padding + 15) / 16 * 16;
-    slot_count_ = static_cast<cl_uint>(slots);
-    lists_.reserve(session, IZB_WORDS * slots * sizeof(cl_uint));
-    cursors_.reserve(session, bin_bytes);
-    offsets_.reserve(session, bin_bytes + sizeof(cl_uint));
+    const LightFrame& frame = inputs.light_frame;
+    const cl_uint list_count = (frame.bins_x * frame.bins_y) << (2 * frame.bin_log2);
+    const std::size_t list_bytes = list_count * sizeof(cl_uint);
+    // A CPU reads as many slots as it has lanes, also past the last one.
+    slot_count_ = (points.layout.count + session.lanes() + 15) / 16 * 16;
+    lists_.reserve(session, IZB_WORDS * std::size_t(slot_count_) * sizeof(cl_uint));
+    cursors_.reserve(session, list_bytes);
+    offsets_.reserve(session, list_bytes + sizeof(cl_uint));
 
-    session.fill(cursors_, 0, bin_bytes);
+    session.fill(cursors_, 0, list_bytes);
     const auto blocks = session.blocks(points.layout.count);
     session.launch("rivals/izb.cl", "izb_count", blocks, params(inputs, 0), inputs.projections, points.positions,
                    inputs.map != nullptr ? *inputs.map : cursors_, inputs.visibility, cursors_, inputs.counters);
-    scan_.run(session, bin_count, session.lanes(), cursors_, offsets_);
-    session.fill(cursors_, 0, bin_bytes);
-    if (session.lanes() > 1) session.fill(lists_, GN_NO_ID, slots * sizeof(cl_uint));
+    scan_.run(session, list_count, 1, cursors_, offsets_);
+    session.fill(cursors_, 0, list_bytes);
     session.launch("rivals/izb.cl", "izb_scatter", blocks, params(inputs, 0), inputs.projections, points.positions,
                    offsets_, inputs.visibility, cursors_, lists_, inputs.counters);
 }
 
 void Izb::trace(cl::Session& session, const TraceInputs& inputs, const Bins& bins, Trace& queue) {
     queue.reserve_queue(session, inputs.points);
-    session.launch(inputs.triangles.kernel("rivals/izb.cl", "izb_trace"), cl::Range::items(bins.pair_capacity()),
+    session.launch(inputs.triangles.kernel("rivals/izb.cl", "izb_trace"), cl::Range::shares(bins.pair_capacity()),
                    params(inputs, queue.capacity()), inputs.points.positions, inputs.points.receivers,
                    inputs.triangles.vertices, lists_, offsets_, bins.pairs(), inputs.lists.records, inputs.lists.bounds,
                    inputs.visibility, queue.queue(), inputs.counters);

@@ -9,7 +9,7 @@
 
 namespace gnomon {
 
-/// The points of a frame that the conservative map leaves open, listed by bin.
+/// The points of a frame that the conservative map leaves open, listed by texel: those of a bin one after the other.
 class Izb {
 public:
     /// Lists the points of inputs.first_frame, once its triangles are listed.
@@ -18,7 +18,7 @@ public:
     /// point. If the queue is full, the item decides the pair in place.
     void trace(cl::Session& session, const TraceInputs& inputs, const Bins& bins, Trace& queue);
 
-    const cl::Buffer& offsets() const { return offsets_; }  ///< of each bin's slots
+    const cl::Buffer& offsets() const { return offsets_; }  ///< of each texel's slots
     const cl::Buffer& lists() const { return lists_; }      ///< IZB_WORDS arrays of slot_count() words
     cl_uint slot_count() const { return slot_count_; }
 

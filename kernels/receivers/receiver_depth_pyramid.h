@@ -6,7 +6,7 @@
 //
 //     open points --> pyramid --> cull --> triangles for the conservative map --> draw the map
 //                        |                                                             |
-//                        +---> points that the map leaves open: depth_after_map <------+
+//                        +---> depth that points left open may reach: depth_after_map <+
 //                                                 |
 //                                                 +--> cull --> triangles for the occluder lists --> trace
 //

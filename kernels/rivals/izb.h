@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Contract of the technique izb: lists of points by bin of light space.
+// Contract of the technique izb: lists of points by texel of light space.
 #pragma once
 
 #include "rivals/framed_technique.h"
@@ -12,6 +12,7 @@ GN_STRUCT_BEGIN(IzbParams)
     uint padding;
 GN_STRUCT_END(IzbParams, 152)
 
-// The lists as a structure of arrays: slot_count words each of the point's index, GN_NO_ID in an empty slot, and of its
+// The lists as a structure of arrays: slot_count words each of the point's index, GN_NO_ID in an empty slot, also where
+// a point was removed, and of its
 // X, Y, Z in the grid.
 #define IZB_WORDS 4u

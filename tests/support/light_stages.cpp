@@ -31,15 +31,18 @@ std::vector<SetUpTriangle> read_triangles(Session& session, const LightStages& s
     return triangles;
 }
 
-std::vector<ListedPoint> read_points(Session& session, const LightStages& stages, std::uint32_t bin_count) {
-    const auto offsets = downloaded<std::uint32_t>(session, stages.izb.offsets().get(), bin_count + 1);
+/// By texel; the texels of a bin are neighbours, row by row.
+std::vector<ListedPoint> read_points(Session& session, const LightStages& stages, const gnomon::LightFrame& frame) {
+    const std::uint32_t bin_log2 = frame.bin_log2, list_count = frame.bins_x * frame.bins_y << 2 * bin_log2;
+    const auto offsets = downloaded<std::uint32_t>(session, stages.izb.offsets().get(), list_count + 1);
     const std::size_t stride = stages.izb.slot_count();  // arrays of the point's index, X, Y and Z
     const auto lists = downloaded<float>(session, stages.izb.lists().get(), IZB_WORDS * stride);
     std::vector<ListedPoint> points;
-    for (std::uint32_t bin = 0; bin < bin_count; ++bin)
-        for (std::size_t i = offsets[bin]; i < offsets[bin + 1]; ++i)
+    for (std::uint32_t list = 0; list < list_count; ++list)
+        for (std::size_t i = offsets[list]; i < offsets[list + 1]; ++i)
             if (const auto id = std::bit_cast<std::uint32_t>(lists[i]); id != GN_NO_ID)
-                points.push_back({id, bin, lists[stride + i], lists[2 * stride + i], lists[3 * stride + i]});
+                points.push_back({id, list >> 2 * bin_log2, list & ((1u << 2 * bin_log2) - 1), lists[stride + i],
+                                  lists[2 * stride + i], lists[3 * stride + i]});
     std::sort(points.begin(), points.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
     return points;
 }
@@ -125,7 +128,10 @@ void run_izb(Session& session, LightStages& stages, const UploadedScene& scene, 
     stages.izb.run(session, inputs);
     out.visibility_after_izb = downloaded<float>(session, inputs.visibility, scene.points.count());
     session.read(scene.counters.get(), &out.izb_counters, sizeof(out.izb_counters));
+    out.points = read_points(session, stages, out.frame);
     stages.izb.trace(session, inputs, stages.lists.bins(), stages.trace);
+    out.points_left = read_points(session, stages, out.frame);
+    out.visibility_after_izb_trace = downloaded<float>(session, inputs.visibility, scene.points.count());
     stages.trace.decide_queue(session, inputs);
     EXPECT_EQ(downloaded<float>(session, inputs.visibility, scene.points.count()), expected)
         << "triangles over points and points over triangles differ";
@@ -199,7 +205,6 @@ std::vector<FrameOutput> run_light_stages(const gnomon::Device& device, const Li
         out.triangles = read_triangles(session, stages, out.counters, out.projection);
         if (settings.with_map)
             out.map = downloaded<std::uint32_t>(session, stages.lists.map().map().get(), frame.width * frame.height);
-        out.points = read_points(session, stages, bin_count);
         out.references = read_references(session, stages, bin_count, out.counters);
         outputs.push_back(std::move(out));
     }

@@ -20,7 +20,7 @@ namespace support {
 /// A listed point as the trace reads it.
 struct ListedPoint {
     std::uint32_t id;
-    std::uint32_t bin;
+    std::uint32_t bin, texel;  ///< texel: of those of the bin, row by row
     float x, y, z;
 };
 
@@ -50,9 +50,11 @@ struct FrameOutput {
     std::vector<SetUpTriangle> triangles;                ///< triangle_setup, by id
     std::vector<std::uint32_t> map;                      ///< conservative_map, as keys; empty if not run
     std::vector<ListedPoint> points;                     ///< izb, by id
+    std::vector<ListedPoint> points_left;                ///< after izb_trace
     std::vector<std::vector<std::uint32_t>> references;  ///< bins, triangle ids per bin, sorted
     std::vector<float> visibility_before;                ///< of the frame's stages
     std::vector<float> visibility_after_izb;             ///< listed points are 1 here
+    std::vector<float> visibility_after_izb_trace;       ///< before the queue is decided
     std::vector<float> visibility;                       ///< after exact_trace
     gnomon::FrameCounters izb_counters;                  ///< counts of the izb stage alone
     gnomon::FrameCounters counters;
