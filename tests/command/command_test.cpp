@@ -28,7 +28,6 @@
 #include <thread>
 #include <vector>
 
-#include "support/leak_tracer.hpp"
 #include "support/srgb.hpp"
 #include "support/temporary_folder.hpp"
 
@@ -99,11 +98,7 @@ protected:
     }
 
     Outcome run(const Arguments& arguments, const RunOptions& options = {}) const {
-        const Outcome outcome = finish(start(arguments, options));
-        if (!support::leak_tracer_crashed(outcome.err)) return outcome;
-        RunOptions again = options;
-        again.environment["ASAN_OPTIONS"] = support::NO_LEAK_CHECK;
-        return finish(start(arguments, again));
+        return finish(start(arguments, options));
     }
 
     /// `gnomon render` that must succeed without a word.

@@ -16,7 +16,6 @@
 #include "bench/json.hpp"
 #include "bench/peers.hpp"
 #include "bench/thread_table.hpp"
-#include "support/leak_tracer.hpp"
 
 namespace gnomon::bench {
 namespace {
@@ -43,9 +42,7 @@ protected:
     std::string path(const char* name) const { return (folder_ / name).string(); }
     int run(const std::string& arguments) const {
         const std::string command = GNOMON_BENCH " " + arguments + " >" + path("stdout") + " 2>" + path("stderr");
-        const int status = std::system(command.c_str());
-        if (!support::leak_tracer_crashed(errors())) return status;
-        return std::system((std::string("ASAN_OPTIONS=") + support::NO_LEAK_CHECK + " " + command).c_str());
+        return std::system(command.c_str());
     }
     std::string errors() const { return text_in(path("stderr")); }
     Json json(const char* name) const { return Json::parse(text_in(path(name))); }
