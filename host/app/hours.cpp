@@ -200,7 +200,9 @@ Reached hours_of_picture(const HoursOptions& options, const Device& device, Tech
                          const scene::Scene& scene, const Triangles& triangles, const Lighting& lighting,
                          Outputs& outputs) {
     const auto [width, height] = options.size;
-    const View seen = look(device, triangles, choose_camera(options, scene).camera, width, height);
+    const ChosenCamera camera = choose_camera(options, scene);
+    print_camera_note(options, camera);
+    const View seen = look(device, triangles, camera.camera, width, height);
     const ViewOnHost view = seen.read(device, triangles);
     Points points = seen.points;
     Points normals;

@@ -172,7 +172,7 @@ std::string hints(const Report& report) {
         report.lights, [](const LightReport& light) { return light.shares.lit + light.shares.partly == 0; });
     if (is_dark && !report.lights.empty())
         text += fact("hint",
-                     "no light reaches what the camera sees: a closed room needs a light inside "
+                     "no light reaches what the camera sees: a closed room or sky needs a light inside "
                      "(--light-position X,Y,Z), and a sun of another --light-direction may help");
     return text;
 }

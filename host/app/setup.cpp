@@ -72,7 +72,7 @@ ChosenCamera camera_with_its_own_view(const ViewOptions& options, const scene::S
         return {scene.cameras.front().camera, "the scene's first camera, \"" + scene.cameras.front().name + "\""};
     scene::Framing framing(scene, double(options.size.width) / double(options.size.height));
     if (add_more) add_more(framing);
-    return {framing.camera(), "the default: frames the scene, or stands in an interior"};
+    return {framing.camera(), "the default: frames the scene, or stands in an interior", framing.left_out(scene)};
 }
 
 }  // namespace
@@ -141,6 +141,10 @@ ChosenCamera choose_camera(const ViewOptions& options, const scene::Scene& scene
     ChosenCamera chosen = camera_with_its_own_view(options, scene, add_more);
     if (options.fov_y_degrees) chosen.camera.fov_y_radians = double(*options.fov_y_degrees) * std::numbers::pi / 180;
     return chosen;
+}
+
+void print_camera_note(const ViewOptions& options, const ChosenCamera& chosen) {
+    if (!options.quiet && !chosen.note.empty()) print_note(chosen.note);
 }
 
 ChosenLight choose_light(const ViewOptions& options, const scene::Scene& scene) {

@@ -52,6 +52,7 @@ std::unique_ptr<Technique> make_technique(const Device& device, const std::strin
 struct ChosenCamera {
     Camera camera;
     std::string source;  ///< for people: "the scene's camera \"main\"", "--eye and --target", ...
+    std::string note{};  ///< of the default view: what it does not frame
 };
 
 struct ChosenLight {
@@ -64,6 +65,8 @@ struct ChosenLight {
 /// `add_more`: adds other times of an animation to what the default camera frames.
 ChosenCamera choose_camera(const ViewOptions& options, const scene::Scene& scene,
                            const std::function<void(scene::Framing&)>& add_more = {});
+/// The note, unless --quiet.
+void print_camera_note(const ViewOptions& options, const ChosenCamera& chosen);
 ChosenLight choose_light(const ViewOptions& options, const scene::Scene& scene);
 /// All lights of the scene, in its order, for "--light all" if no light has that name; else choose_light()'s.
 std::vector<ChosenLight> choose_lights(const ViewOptions& options, const scene::Scene& scene);

@@ -93,6 +93,7 @@ std::vector<Bounds> strays_of(int axis, const std::vector<Run>& runs) {
 constexpr double most_levels = 1e5;
 constexpr double level_share = 0.01;  ///< of the bounds' side: how far a triangle of a plane leaves it
 constexpr double wide_share = 0.5;    ///< of all: a plane is at least as wide
+constexpr double room_share = 0.8;    ///< of a shell's side: what is shorter leaves an eye room
 constexpr double narrow = 0.25, narrow_on_ground = 0.5;  ///< of all: what is beside planes is narrower
 constexpr double edge_share = 0.05;   ///< of the widest plane's area: what has less is the edge of a plate
 constexpr double plate_share = 0.05;  ///< of all: levels with a smaller distance are one plate
@@ -198,6 +199,7 @@ Content::Content(const Scene& scene) {
 }
 
 bool Content::has(const float* triangle) const {
+    if (std::ranges::any_of(shells_, [&](const Shell& shell) { return shell.has(triangle); })) return false;
     for (const LeftOut& left_out : left_out_) {
         if (left_out.boxes.empty()) continue;
         const Bounds own = bounds_of(triangle, left_out.own_from_world);
@@ -238,6 +240,24 @@ void Content::leave_out_planes(const Scene& scene) {
 void Content::take_planes_back(const Scene& scene) {
     left_out_.resize(stray_count_);
     leave_out(scene, {glm::dmat3(1), {}});
+}
+
+bool Content::leave_out_shell(const Scene& scene) {
+    std::optional<Shell> shell = Shell::around(scene, *this);
+    if (!shell) return false;
+    shells_.push_back(std::move(*shell));
+    leave_out(scene, {glm::dmat3(1), {}});
+    stray_count_ = left_out_.size();
+    return true;
+}
+
+bool Content::has_room_in_shell() const {
+    return shells_.empty() || any(lessThanEqual(bounds_.sides(), room_share * shells_.front().bounds().sides()));
+}
+
+bool Content::is_small_in_shell() const {
+    return !shells_.empty() &&
+           largest_coordinate(bounds_.sides()) < narrow * largest_coordinate(shells_.back().bounds().sides());
 }
 
 bool Content::leave_out_planes_along(const Scene& scene, const glm::dmat3& own_from_world) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What of a scene the default view frames: its finite triangles without strays and without wide planes.
+// What of a scene the default view frames: its finite triangles without strays, shells and wide planes.
 #pragma once
 
 #include <limits>
@@ -8,26 +8,11 @@
 #include <glm/mat3x3.hpp>
 
 #include "affine.hpp"
+#include "axis_lines.hpp"
 #include "scene.hpp"
+#include "shell.hpp"
 
 namespace gnomon::scene {
-
-struct Bounds {
-    glm::dvec3 least{std::numeric_limits<double>::infinity()}, most{-std::numeric_limits<double>::infinity()};
-
-    bool is_empty() const { return !(least.x <= most.x); }
-    void add(const glm::dvec3& p) { least = min(least, p), most = max(most, p); }
-    void add(const Bounds& other) { least = min(least, other.least), most = max(most, other.most); }
-    glm::dvec3 sides() const { return most - least; }
-    glm::dvec3 middle() const { return least / 2.0 + most / 2.0; }
-};
-
-/// Calls visit(t) with the nine floats of each finite triangle.
-template <typename Visit>
-void for_each_finite_triangle(const Scene& scene, const Visit& visit) {
-    for (std::size_t i = 0; i < scene.triangle_count(); ++i)
-        if (scene.is_finite(i)) visit(&scene.triangles[9 * i]);
-}
 
 /// A triangle belongs to the content unless it lies wholly in a box that was left out. So the content of another time
 /// of an animation is known too.
@@ -41,11 +26,18 @@ public:
     void leave_out_planes(const Scene& scene);
     /// Takes them back.
     void take_planes_back(const Scene& scene);
+    /// Leaves out a closed surface that hides all else (a sky box). Returns false if there is none.
+    bool leave_out_shell(const Scene& scene);
 
     bool has(const float* triangle) const;
     /// In world axes; empty if no triangle is finite.
     const Bounds& bounds() const { return bounds_; }
-    /// What was left out lies between this point and more than half of the inner half of the bounds.
+    /// An eye can stand between the content and the outermost shell; true without a shell.
+    bool has_room_in_shell() const;
+    /// The content is less than a quarter as large as the innermost shell.
+    bool is_small_in_shell() const;
+    const std::vector<Shell>& shells() const { return shells_; }
+    /// What was left out, but for shells, lies between this point and more than half of the inner half of the bounds.
     bool is_hidden_from(const glm::dvec3& eye) const;
 
 private:
@@ -67,6 +59,7 @@ private:
     glm::dmat3 axes_of_largest_triangle(const Scene& scene) const;
 
     std::vector<LeftOut> left_out_;
+    std::vector<Shell> shells_;    ///< each in the one before
     std::size_t stray_count_ = 0;  ///< of left_out_: the first ones
     Bounds bounds_;
 };

@@ -3,19 +3,23 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <map>
+#include <numbers>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "affine.hpp"
 #include "content.hpp"
+#include "gltf.hpp"
 #include "scene.hpp"
 
 namespace gnomon::scene {
 namespace {
 
-constexpr double framing_fov_y_degrees = 50;
+constexpr double framing_fov_y_degrees = 50, interior_fov_y_degrees = 65;
 constexpr Float3 origin{0, 0, 0};
 
 // ---- Interiors ------------------------------------------------------------------------------------------------------
@@ -23,73 +27,8 @@ constexpr Float3 origin{0, 0, 0};
 // middle has walls on four sides and a floor, all with their fronts to it, and there is nothing to see from outside:
 // mostly backs, or a plain box around it all.
 
-/// Lines parallel to an axis of the box that do not meet its middle's own planes: fractions of its sides.
-constexpr double line_positions[] = {0.137, 0.319, 0.5071, 0.683, 0.871};
 constexpr double min_backs_outside = 0.5, min_on_box = 0.9;
 constexpr double box_share = 0.03;  ///< of a side: how near to the bounding box a plain box is
-
-/// What a line along an axis meets: the triangle nearest to the middle on each side, and the outermost on each side.
-struct LineHits {
-    double inner[2] = {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
-    double outer[2] = {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
-    /// The front points to larger coordinates.
-    bool is_inner_up[2] = {}, is_outer_up[2] = {};
-
-    void add(double at, bool is_up, double middle) {
-        const int side = at > middle;
-        if (side == 0 ? at > inner[0] : at < inner[1]) inner[side] = at, is_inner_up[side] = is_up;
-        if (at < outer[0]) outer[0] = at, is_outer_up[0] = is_up;
-        if (at > outer[1]) outer[1] = at, is_outer_up[1] = is_up;
-    }
-    bool is_met(int side) const { return std::isfinite(inner[side]); }
-};
-
-/// Lines along one axis.
-class Lines {
-public:
-    Lines(int axis, const glm::dvec3& middle) : axis_(axis), middle_(middle) {}
-
-    void through_middle() { add_line(middle_[(axis_ + 1) % 3], middle_[(axis_ + 2) % 3]); }
-    void all_over(const Bounds& bounds) {
-        const auto at = [&](int side, double part) {
-            return bounds.least[side] + part * (bounds.most[side] - bounds.least[side]);
-        };
-        for (const double a : line_positions)
-            for (const double b : line_positions) add_line(at((axis_ + 1) % 3, a), at((axis_ + 2) % 3, b));
-    }
-
-    void add(const float* t) {
-        const int u = (axis_ + 1) % 3, v = (axis_ + 2) % 3;
-        const auto [left, right] = std::minmax({t[u], t[u + 3], t[u + 6]});
-        const auto [low, high] = std::minmax({t[v], t[v + 3], t[v + 6]});
-        const auto first = std::ranges::lower_bound(at_, double(left), {}, [](const auto& line) { return line[0]; });
-        for (std::size_t i = std::size_t(first - at_.begin()); i < at_.size() && at_[i][0] <= right; ++i) {
-            const auto& [x, y] = at_[i];
-            if (y < low || y > high) continue;
-            double e[3], sum = 0;
-            for (int k = 0; k < 3; ++k) {
-                const float *a = t + 3 * ((k + 1) % 3), *b = t + 3 * ((k + 2) % 3);
-                e[k] = (a[u] - x) * (b[v] - y) - (a[v] - y) * (b[u] - x);
-                sum += e[k];
-            }
-            const bool is_inside = (e[0] >= 0 && e[1] >= 0 && e[2] >= 0) || (e[0] <= 0 && e[1] <= 0 && e[2] <= 0);
-            if (!is_inside || sum == 0) continue;
-            hits[i].add((e[0] * t[axis_] + e[1] * t[axis_ + 3] + e[2] * t[axis_ + 6]) / sum, sum > 0, middle_[axis_]);
-        }
-    }
-
-    std::vector<LineHits> hits;
-
-private:
-    void add_line(double u, double v) {
-        at_.push_back({u, v});
-        hits.emplace_back();
-    }
-
-    int axis_;
-    glm::dvec3 middle_;
-    std::vector<std::array<double, 2>> at_;  ///< the first coordinate does not fall
-};
 
 void meet(const Scene& scene, const Content& content, std::span<Lines> lines) {
     for_each_finite_triangle(scene, [&](const float* t) {
@@ -121,7 +60,7 @@ bool hides_its_inside(const Scene& scene, const Content& content, const glm::dve
 /// Nothing for other scenes.
 std::optional<Camera> interior_camera(const Scene& scene, const Content& content) {
     const Bounds& bounds = content.bounds();
-    constexpr double eye_height = 0.3, eye_distance = 0.2, interior_fov_y_degrees = 65;
+    constexpr double eye_height = 0.3, eye_distance = 0.2;
     glm::dvec3 middle = bounds.middle();
     middle.y = bounds.least.y + eye_height * (bounds.most.y - bounds.least.y);
     std::array<Lines, 3> lines{Lines(0, middle), Lines(1, middle), Lines(2, middle)};
@@ -146,9 +85,11 @@ std::optional<Camera> interior_camera(const Scene& scene, const Content& content
 constexpr Float3 toward_viewers[] = {{0.8f, 0.6f, 1.0f}, {-0.8f, 0.6f, 1.0f}, {0.2f, 1.0f, 0.4f},
                                      {0.2f, 0.3f, 1.0f}, {1.0f, 0.3f, 0.2f},  {0.8f, -0.6f, 1.0f}};
 constexpr Float3 low_viewer = {0.8f, 0.1f, 1.0f};
-constexpr double least_shown = 0.35;     ///< of what the best viewer sees
-constexpr double slope_ratio = 0.8;      ///< of one Reach to the next
-constexpr double filled = 0.88;          ///< of the picture's narrower side, or both where they bind
+constexpr double least_shown = 0.35;  ///< of what the best viewer sees
+constexpr double slope_ratio = 0.8;   ///< of one Reach to the next
+constexpr double filled = 0.88;       ///< of the picture's narrower side, or both where they bind
+constexpr std::size_t most_shells = 3;
+constexpr double before_shell = 0.95;    ///< of the way to a shell: an eye stands there if it were outside
 constexpr double distance_of_eye = 2.5;  ///< about: of half the content's diagonal, in a picture that is not narrow
 
 Camera camera_towards(const glm::dvec3& viewer) {
@@ -197,10 +138,17 @@ Framing::Framing(const Scene& scene, double aspect)
     auto content = std::make_shared<Content>(scene);
     content_ = content;
     if (content->bounds().is_empty()) return;
-    if (const std::optional<Camera> inside = interior_camera(scene, *content)) {
-        camera_ = *inside;
-        is_interior_ = true;
-        return;
+    Content inside = *content;
+    for (std::size_t shells = 0; shells <= most_shells; ++shells) {
+        const std::optional<Camera> of_interior = interior_camera(scene, inside);
+        const bool is_shell = inside.leave_out_shell(scene);
+        if (of_interior && !(is_shell && inside.is_small_in_shell())) {
+            camera_ = *of_interior;
+            is_interior_ = true;
+            return;
+        }
+        if (!is_shell) break;
+        if (inside.has_room_in_shell()) *content = inside;
     }
     content->leave_out_planes(scene);
     std::vector<glm::dvec3> viewers = viewers_of(*content, aspect);
@@ -261,8 +209,36 @@ Camera Framing::camera() const {
     }
     constexpr double limit = std::numeric_limits<float>::max();
     Camera camera = camera_;
+    for (const Shell& shell : content_->shells()) {
+        const double exit = before_shell * shell.exit(middle, eye);
+        if (!(exit > 0 && exit < 1)) continue;
+        eye = middle + exit * (eye - middle);
+        camera.fov_y_radians = interior_fov_y_degrees * std::numbers::pi / 180;
+    }
     camera.eye = array_of(clamp(eye, -limit, limit));
     return camera;
+}
+
+std::string Framing::left_out(const Scene& scene) const {
+    std::map<int, std::size_t> triangles_of_mesh;
+    std::size_t total = 0, use = 0;
+    for_each_finite_triangle(scene, [&](const float* t) {
+        if (content_->has(t)) return;
+        ++total;
+        const auto triangle = std::size_t(t - scene.triangles.data()) / 9;
+        while (use + 1 < scene.mesh_uses.size() && scene.mesh_uses[use + 1].first_triangle <= triangle) ++use;
+        if (use < scene.mesh_uses.size()) ++triangles_of_mesh[scene.mesh_uses[use].mesh];
+    });
+    if (total == 0) return "";
+    std::vector<std::pair<int, std::size_t>> meshes(triangles_of_mesh.begin(), triangles_of_mesh.end());
+    std::ranges::stable_sort(meshes, std::greater<>(), [](const auto& mesh) { return mesh.second; });
+    std::vector<std::string> names;
+    for (const auto& [mesh, count] : meshes)
+        names.push_back(fmt::format("{} of {}", count, scene.mesh_names[std::size_t(mesh)]));
+    return fmt::format(
+        "the default view does not frame {} of {}{}{}: what is around, wide or far beside the others would make these "
+        "small or hide them; all are drawn and cast shadows, and --eye and --target give another view",
+        total, counted(scene.triangle_count(), "triangle"), names.empty() ? "" : ", ", listed(names, 3));
 }
 
 Camera framing_camera(const Scene& scene, double aspect) { return Framing(scene, aspect).camera(); }

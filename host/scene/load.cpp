@@ -786,9 +786,12 @@ private:
         }
         if (has_coordinates()) work_.scene.texture_coordinates.resize(6 * count);
         make_colors(count);
+        for (int mesh = 0; mesh < int(model_.meshes.size()); ++mesh) work_.scene.mesh_names.push_back(mesh_text(mesh));
         float* out = work_.scene.triangles.data();
         auto material = work_.scene.materials.triangle_material.begin();
         for (const Instance& instance : work_.instances) {
+            work_.scene.mesh_uses.push_back(
+                {std::size_t(out - work_.scene.triangles.data()) / 9, model_.nodes[instance.node].mesh});
             const std::size_t not_finite = write_instances(instance, pose, out, material);
             if (not_finite == 0) continue;
             work_.not_finite_count += not_finite;

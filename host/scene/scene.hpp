@@ -99,6 +99,12 @@ private:
     SurfaceDetail detail_;
 };
 
+/// A mesh of the file as a node draws it: from this triangle to the next one's.
+struct MeshUse {
+    std::size_t first_triangle = 0;
+    int mesh = 0;
+};
+
 /// Casters with alphaMode BLEND: as opaque ones, as if they were not there, or as masks with a cutoff of .5.
 enum class BlendCasters { opaque, clear, mask };
 
@@ -117,6 +123,8 @@ struct Scene {
     std::vector<float> texture_coordinates;  ///< u, v of the corners, 6 per triangle; empty: no triangle has a texture
     SceneCutOuts cut_outs;
     SceneColors colors;
+    std::vector<MeshUse> mesh_uses;       ///< in the triangles' order; empty: the scene is of no file
+    std::vector<std::string> mesh_names;  ///< "mesh 'sky'", or "mesh 3" without a name
     std::vector<NamedCamera> cameras;
     std::vector<NamedLight> lights;
     std::vector<std::string> warnings;     ///< each one sentence; --strict turns them into errors
@@ -171,9 +179,9 @@ Scene sundial();
 class Content;
 
 /// The camera of scenes without one. It frames the content, which is all finite triangles without strays and without
-/// wide planes, in the middle of the picture (fov_y 50 degrees), from a three-quarter view, or from where far more of
-/// it is seen. An interior, whose walls and floor show their fronts to its middle and to the outside backs or a plain
-/// box, is seen from inside (65 degrees).
+/// wide planes and not a sky around all else, in the middle of the picture (fov_y 50 degrees), from a three-quarter
+/// view, or from where far more of it is seen. An interior, whose walls and floor show their fronts to its middle and
+/// to the outside backs or a plain box, is seen from inside (65 degrees).
 class Framing {
 public:
     /// `aspect`: the picture's width over its height.
@@ -181,6 +189,8 @@ public:
     /// Frames this scene's triangles, too: another time of an animation.
     void add(const Scene& scene);
     Camera camera() const;
+    /// One sentence on the triangles of this scene that are not framed, and their meshes; empty if all are.
+    std::string left_out(const Scene& scene) const;
 
 private:
     static constexpr double nothing = -std::numeric_limits<double>::infinity();

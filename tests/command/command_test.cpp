@@ -1592,6 +1592,31 @@ TEST_F(Command, FramesAreThePicturesOfTheirTimes) {
     EXPECT_NE(text_of(in_folder("m_0000.png")), text_of(in_folder("m_0002.png")));
 }
 
+TEST_F(Command, TheDefaultViewSaysWhatItDoesNotFrame) {
+    write_moving_scene(folder_);
+    nlohmann::json gltf = nlohmann::json::parse(text_of(in_folder("moving.gltf")));
+    for (const char* camera : {"/nodes/1/camera", "/nodes/2/camera"})
+        gltf = gltf.patch({{{"op", "remove"}, {"path", camera}}});
+    gltf["meshes"][0]["name"] = "yard";
+    std::ofstream(in_folder("moving.gltf")) << gltf;
+    const auto notes = [&](Arguments arguments, const Arguments& more = {}) {
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        const Outcome outcome = run(arguments);
+        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+        const std::string note = "note: the default view does not frame 2 of 4 triangles, 2 of mesh 'yard': ";
+        std::size_t count = 0;
+        for (std::size_t at = 0; (at = outcome.err.find(note, at)) != std::string::npos; ++at) ++count;
+        return count;
+    };
+    const Arguments render{"render", "moving.gltf", "--size", "16x16", "-o", "a.png"};
+    EXPECT_EQ(notes(render, {"--frames", "3", "--time", "0"}), 1u);
+    EXPECT_EQ(notes({"explain", "moving.gltf", "--size", "16x16", "--pixel", "8,8"}), 1u);
+    EXPECT_EQ(
+        notes({"hours", "moving.gltf", "--size", "4x4", "--place", "10,10", "--day", "2026-06-21", "-o", "a.png"}), 1u);
+    EXPECT_EQ(notes(render, {"--quiet"}), 0u);
+    EXPECT_EQ(notes(render, {"--eye", "0,9,9", "--target", "0,0,0"}), 0u);
+}
+
 TEST_F(Command, AnimationsAndScenesThatAreNotThere) {
     write_moving_scene(folder_);
     write_scene(folder_, "still", floor_and_square());

@@ -1276,7 +1276,6 @@ TEST(DefaultCamera, FillsThePictureBesideWallsAndStrays) {
         // All of these is content.
         {"a town", town, {}},
         {"a house with a chimney", together(cuboid({0, 0, 0}, {10, 6, 8}), cuboid({2, 6, 2}, {2.5f, 7, 2.5f})), {}},
-        {"walls with a thing inside", together(cuboid({-9, 0, -9}, {9, 30, 9}), cube), {}},
         {"a hill", landscape([](double x, double z) { return 9 * std::exp(-(x * x + z * z) / 300); }), {}},
         {"low hills", landscape([](double x, double z) { return 0.5 * std::sin(x / 9) * std::cos(z / 7); }), {}},
         {"a hill and a tree",
@@ -1303,6 +1302,113 @@ TEST(DefaultCamera, FillsThePictureBesideWallsAndStrays) {
             }
             EXPECT_LE(2 * hidden, content.size() / 3) << name << ' ' << aspect << ": hidden";
         }
+}
+
+std::vector<float> times(double factor, std::vector<float> triangles) {
+    for (float& c : triangles) c = float(factor * c);
+    return triangles;
+}
+
+std::vector<float> inside_out(std::vector<float> triangles) {
+    for (std::size_t t = 0; t < triangles.size(); t += 9)
+        std::swap_ranges(triangles.begin() + std::ptrdiff_t(t), triangles.begin() + std::ptrdiff_t(t) + 3,
+                         triangles.begin() + std::ptrdiff_t(t) + 3);
+    return triangles;
+}
+
+/// A sphere of radius 1 around the origin, of quads; `is_dome`: its upper half.
+std::vector<float> sphere(int columns, int rows, bool is_dome = false) {
+    std::vector<float> triangles;
+    const double pi = 3.14159265358979;
+    for (int i = 0; i < columns; ++i)
+        for (int j = 0; j < rows; ++j)
+            for (const auto& [a, b] : {std::pair{0, 0}, {0, 1}, {1, 1}, {0, 0}, {1, 1}, {1, 0}}) {
+                const double turn = 2 * pi * (i + a) / columns, rise = (is_dome ? pi / 2 : pi) * (j + b) / rows;
+                for (const double c :
+                     {std::sin(rise) * std::cos(turn), std::cos(rise), std::sin(rise) * std::sin(turn)})
+                    triangles.push_back(float(c));
+            }
+    return triangles;
+}
+
+// A closed box, sphere or dome around all else hides it from outside, whichever side its faces show.
+TEST(DefaultCamera, StandsInASky) {
+    const std::vector<float> house = turned(cuboid({-5, 0, -4}, {5, 6, 4}), 30);
+    const std::vector<float> box = cuboid({-300, -300, -300}, {300, 300, 300});
+    const std::vector<float> ground = cuboid({-400, -0.01f, -400}, {400, 0, 400});
+    const struct {
+        const char* name;
+        std::vector<float> content, sky;
+    } cases[] = {
+        {"a box", house, box},
+        {"a box whose fronts are inside", house, inside_out(box)},
+        {"a box of both sides", house, together(box, inside_out(box))},
+        {"a thick box", house, together(box, times(0.97, box))},
+        {"a box that is turned", house, turned(box, 40, 20)},
+        {"a box on the ground", house, cuboid({-300, 0, -300}, {300, 400, 300})},
+        {"a box, and ground in it", house, together(box, times(0.7, ground))},
+        {"a sphere", house, times(1000, sphere(24, 12))},
+        {"a sphere whose fronts are inside", house, times(1000, inside_out(sphere(24, 12)))},
+        {"a finer sphere", house, times(1000, turned(sphere(90, 60), 3, 70))},
+        {"a sphere, and ground in it", house, together(times(600, sphere(24, 12)), ground)},
+        {"a dome on ground that is as wide", house, together(times(400, sphere(24, 12, true)), ground)},
+        {"a dome on ground that is wider", house, together(times(300, sphere(24, 12, true)), ground)},
+        {"a box in a sphere", house, together(box, times(1000, sphere(24, 12)))},
+        {"a small box", turned(cuboid({-1, 0, -1}, {1, 2, 1}), 10), cuboid({-9, 0, -9}, {9, 30, 9})},
+        {"two houses", together(house, cuboid({40, 0, 0}, {49, 9, 9})), box},
+        {"a house off the middle", cuboid({150, 0, -60}, {160, 9, -50}), box},
+        {"a box, and a plate in it", house, together(box, cuboid({-50, -2, -50}, {50, -1, 50}))},
+    };
+    for (const double aspect : {16.0 / 9, 1.0, 0.5})
+        for (const auto& [name, content, sky] : cases) {
+            Scene scene;
+            scene.triangles = together(sky, content);
+            const gnomon::scene::Framing framing(scene, aspect);
+            const gnomon::Camera camera = framing.camera();
+            const Shown shows = shown(camera, content, aspect);
+            EXPECT_GE(std::max(shows.width, shows.height), 0.6) << name << ' ' << aspect;
+            EXPECT_LE(std::max(shows.width, shows.height), 0.95) << name << ' ' << aspect;
+            EXPECT_LT(std::abs(shows.middle_x) + std::abs(shows.middle_y), 0.12) << name << ' ' << aspect;
+            std::size_t hidden = 0;
+            for (std::size_t v = 0; v < content.size(); v += 3)
+                hidden += std::size_t(is_hidden(camera, {content[v], content[v + 1], content[v + 2]}, sky));
+            EXPECT_LE(6 * hidden, content.size() / 3) << name << ' ' << aspect << ": hidden";
+        }
+}
+
+// Where a sky leaves less room than the picture of all would take, the eye stands in it nevertheless.
+TEST(DefaultCamera, StandsInANarrowSky) {
+    const std::vector<float> hills =
+        landscape([](double x, double z) { return 0.5 * std::sin(x / 9) * std::cos(z / 7); });
+    const std::vector<float> house = cuboid({-7, -9, -7}, {7, 6, 7});
+    for (const auto& [content, sky] : {std::pair{hills, times(75, sphere(24, 12))},
+                                       {house, times(20, sphere(24, 12))},
+                                       {house, cuboid({-10, -10, -10}, {10, 10, 10})}}) {
+        Scene scene;
+        scene.triangles = together(sky, content);
+        const gnomon::Camera camera = gnomon::scene::framing_camera(scene);
+        const Shown shows = shown(camera, content, 1);
+        EXPECT_GT(std::max(shows.width, shows.height), 0.6);
+        EXPECT_FALSE(is_hidden(camera, {0, 0, 0}, sky));
+    }
+}
+
+// What is closed and has nothing else inside, or of which more is seen from outside, is seen from there.
+TEST(DefaultCamera, StandsOutsideOfBodies) {
+    const std::vector<float> ball = sphere(24, 12), bench = cuboid({1.5f, -1, 0}, {1.7f, -0.8f, 0.5f});
+    const std::vector<float> cube = cuboid({-1, -1, -1}, {1, 1, 1}), small = times(0.3, ball);
+    for (const auto& [name, triangles] : std::vector<std::pair<const char*, std::vector<float>>>{
+             {"a ball", ball},
+             {"a box", cube},
+             {"a globe in clouds", together(ball, times(1.1, ball))},
+             {"a box with a bench before it", together(together(cube, bench), small)},
+             {"a statue, and triangles in it", together(together(cube, turned(times(0.9, cube), 45, 45)), small)},
+         }) {
+        Scene scene;
+        scene.triangles = triangles;
+        const gnomon::Camera camera = gnomon::scene::framing_camera(scene);
+        EXPECT_GT(std::hypot(camera.eye[0], camera.eye[1], camera.eye[2]), 2) << name;
+    }
 }
 
 // A sequence: what moves stays in the picture.

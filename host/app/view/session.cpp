@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "../sun_sums.hpp"
 #include "facts.hpp"
@@ -106,7 +107,9 @@ ChosenCamera ViewSession::camera_of(const ViewOptions& options, Pose& pose) {
     const auto found = pose.framings.find(aspect);
     if (found != pose.framings.end()) return found->second;
     if (pose.framings.size() > 64) pose.framings.clear();
-    return pose.framings.emplace(aspect, choose_camera(options, pose.scene)).first->second;
+    ChosenCamera framing = choose_camera(options, pose.scene);
+    if (!std::exchange(has_told_, true)) print_camera_note(options, framing);
+    return pose.framings.emplace(aspect, std::move(framing)).first->second;
 }
 
 ViewSession::Seen ViewSession::look_of(const RenderOptions& options) {

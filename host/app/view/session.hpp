@@ -67,6 +67,7 @@ private:
     CameraPass camera_pass_;
     SurfaceTextures textures_;
     std::unique_ptr<Pose> pose_;
+    bool has_told_ = false;  ///< what the default view does not frame
 };
 
 }  // namespace gnomon::app

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+// A closed convex surface around all else that a scene shows, such as a sky box: from outside nothing but it is seen.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "axis_lines.hpp"
+
+namespace gnomon::scene {
+
+class Content;
+
+class Shell {
+public:
+    /// The shell of the content, which has something else inside; nothing if there is none.
+    static std::optional<Shell> around(const Scene& scene, const Content& content);
+
+    /// The triangle has the shell, and all in it, on one side; or it is a sliver near the shell.
+    bool has(const float* triangle) const;
+    /// The part of the way from a point inside to this one at which the shell is met; infinite if it is not met.
+    double exit(const glm::dvec3& inside, const glm::dvec3& to) const;
+    const Bounds& bounds() const { return bounds_; }
+
+private:
+    /// dot(normal, p) >= level inside.
+    struct Plane {
+        glm::dvec3 normal;
+        double level;
+    };
+    /// Nothing for a sliver.
+    static std::optional<Plane> plane_of(const float* triangle);
+    bool find(const Scene& scene, const Content& content, double least_height);
+
+    std::vector<glm::dvec3> points_;  ///< what lines along the axes meet first
+    std::vector<Plane> planes_;       ///< there
+    glm::dvec3 middle_{0};            ///< of the points
+    double slack_ = 0;
+    Bounds bounds_;
+};
+
+}  // namespace gnomon::scene
