@@ -6,8 +6,8 @@ interpreter blurs the heap: tests/c/nothing_grows_test.cpp.)
 GNOMON_ROUNDS=1000 repeats each a thousand times, 20 minutes. So on 2026-11-28 with PoCL 3.1: threads, files and device
 memory of all 28 were the same after the first hundred rounds and after the last. Memory grew by 98 to 110 kB a round
 where a device was opened (by name, use() with and without a limit, a queue of the caller's, a scene for many queues),
-evenly: the driver keeps that of each program (LIMIT_WITH_DEVICE); by 2.0 kB for a study (all in its first half, then 0);
-by .1 to .2 kB for many lights, other settings, a thread's calls and a bare program; not at all for the others."""
+evenly: the driver keeps that of each program (LIMIT_WITH_DEVICE); by 2.0 kB for a study (all in its first half, then
+0); by .1 to .2 kB for many lights, other settings, a thread's calls and a bare program; not at all for the others."""
 
 import json
 import os
@@ -113,8 +113,8 @@ def growth(setup, operation, rounds=ROUNDS):
 #: Bytes that a round may add: pages that the allocator has not given back, over the rounds.
 LIMIT = 200_000
 #: A round that opens a device makes some thirty programs. PoCL keeps 4 to 6 kB of each: bare OpenCL calls that made
-#: thirty grew by 125 to 190 kB a round, which compiled them by 640. A run on a busy machine found 630 kB. A device that is kept takes 11 MB and a
-#: thread.
+#: thirty grew by 125 to 190 kB a round, and that compiled them by 640. A run on a busy machine found 630 kB. A device
+#: that is kept takes 11 MB and a thread.
 LIMIT_WITH_DEVICE = 1_000_000
 
 
