@@ -146,6 +146,13 @@ Heading heading_of(const std::string& cell) {
 
 bool is_coordinate(std::string_view name) { return name == "x" || name == "y" || name == "z"; }
 
+bool is_angle(std::string_view name) { return name == "azimuth" || name == "elevation"; }
+
+bool is_degrees(std::string_view unit) {
+    constexpr std::array degrees{"", "deg", "degs", "degree", "degrees", "\u00b0"};
+    return std::ranges::find(degrees, unit) != degrees.end();
+}
+
 bool is_metres(std::string_view unit) {
     constexpr std::array metres{"", "m", "metre", "metres", "meter", "meters"};
     return std::ranges::find(metres, unit) != metres.end();
@@ -162,6 +169,8 @@ NumberTable::NumberTable(std::string_view text, std::string file, const TableCol
     : file_(std::move(file)) {
     if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
         throw InvalidArgument(file_ + ": is UTF-16 text: save it as UTF-8 (\"CSV UTF-8\" in spreadsheets)");
+    if (text.starts_with("PK\x03\x04"))
+        throw InvalidArgument(file_ + ": is a spreadsheet or a zip archive: save it as CSV");
     if (text.find('\0') != std::string_view::npos) throw InvalidArgument(file_ + ": is no text");
     if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
     std::optional<char> separator;
@@ -214,6 +223,8 @@ void NumberTable::take_headings(std::vector<std::string> cells, const TableColum
         const Heading& heading = headings[i];
         if (is_coordinate(heading.name) && !is_metres(heading.unit))
             throw InvalidArgument(joined({file_, ": the column \"", cells[i], "\" must be in metres"}));
+        if (is_angle(heading.name) && !is_degrees(heading.unit))
+            throw InvalidArgument(joined({file_, ": the column \"", cells[i], "\" must be in degrees"}));
         if (!heading.name.empty() && std::ranges::find(names_, heading.name) != names_.end())
             throw InvalidArgument(joined({file_, ": has two columns \"", heading.name, "\""}));
         names_.push_back(heading.name);

@@ -131,6 +131,9 @@ def test_tables_of_all_kinds(tmp_path):
         ("azimuth,elevation\n10,91\n", ", line 2 has an elevation beyond 90 degrees"),
         ("azimuth,elevation\n-9999,9\n", ", line 2 has an azimuth beyond 360 degrees"),
         ("x,y,z\n", ": has no suns"),
+        ("azimuth [gon],elevation [gon]\n100,50\n", ': the column "azimuth [gon]" must be in degrees'),
+        ("azimuth,elevation (rad)\n1,1\n", ': the column "elevation (rad)" must be in degrees'),
+        ("PK\x03\x04...", ": is a spreadsheet or a zip archive: save it as CSV"),
     ],
 )
 def test_bad_tables_are_one_sentence(tmp_path, text, sentence):
