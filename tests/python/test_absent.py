@@ -75,6 +75,9 @@ NUMBERS = {
     "DBL_MAX": float(np.finfo(np.float64).max),
     "netCDF's": 9.969209968386869e36,
     "Surfer's": 1.70141e38,
+    "FLT_MAX, as it is printed": 3.402823e38,
+    "-FLT_MAX, as it is printed": -3.4e38,
+    "netCDF's, as it is printed": 9.96921e36,
 }
 ROWS = [[0.0, 0, 0], [5, 0, NAN], [5, 0, 0]]
 

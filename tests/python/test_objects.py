@@ -141,6 +141,7 @@ REFUSED = {
     ),
     "meshes in a list": (lambda: [trimesh().Trimesh(VERTICES, FACES)] * 2, "trimesh.util.concatenate"),
     "meshio tetrahedra": (lambda: meshio([("tetra", [[0, 1, 2, 3]])]), "pyvista.wrap.*extract_surface"),
+    "a flat meshio mesh": (lambda: meshio([("triangle", FACES)], VERTICES[:, :2]), "in two dimensions.*column_stack"),
     "a polygon": (lambda: types.SimpleNamespace(geom_type="Polygon"), "extrude_polygon"),
     "a table of geometries": (lambda: types.SimpleNamespace(geometry=[]), "extrude_polygon"),
     "a mesh of VTK": (lambda: types.SimpleNamespace(GetPoints=None, GetNumberOfCells=None), "pyvista.wrap"),
@@ -181,6 +182,14 @@ def test_columns_of_a_table_go_by_their_names():
     for columns in (["a", "b", "c"], ["x", "y", "Y"], ["x", "y", "z", "X"]):
         with pytest.raises(ValueError, match="points: of the columns .* three must be x, y, z, each once"):
             scene.lit(pandas.DataFrame(np.zeros((2, len(columns))), columns=columns), direction=DOWN)
+
+
+def test_lights_go_by_their_names():
+    scene = gnomon.Scene(ROOF)
+    for light in ({"z": -1, "x": 0, "y": 0}, pytest.importorskip("pandas").Series({"Z": -1.0, "Y": 0, "X": 0})):
+        assert scene.lit([[0, 0, 0], [5, 0, 0]], direction=light).tolist() == [False, True]
+    with pytest.raises(ValueError, match="direction: its names are a, b, c, and must be x, y, z"):
+        scene.lit([[0, 0, 0]], direction={"a": 0, "b": 0, "c": -1})
 
 
 def test_what_is_no_array_is_named():

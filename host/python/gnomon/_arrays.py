@@ -102,7 +102,8 @@ def integers_on_host(array: Any, name: str) -> NDArray[Any]:
 #: Values that files hold where they have no data, and that no place has: the extremes of float and double, netCDF's
 #: and Surfer's.
 FILL_VALUES = (*(s * float(np.finfo(t).max) for t in (np.float32, np.float64) for s in (-1, 1)),
-               9.969209968386869e36, 1.70141e38, 1.7014118346046923e38)  # fmt: skip
+               9.969209968386869e36, 9.96921e36, 1.70141e38, 1.7014118346046923e38, 3.4e38, -3.4e38, 3.40282e38,
+               -3.40282e38, 3.402823e38, -3.402823e38, 3.4028235e38, -3.4028235e38)  # fmt: skip
 
 
 def _fill_values_of(array: NDArray[Any]) -> NDArray[Any] | None:
@@ -134,16 +135,22 @@ def require_no_fill_values(array: NDArray[Any], name: str) -> None:
         )
 
 
-#: Heights that stand for no data wherever they occur.
+#: Heights that stand for no data wherever they occur; and those that do if all others are less than half as low.
 NO_HEIGHTS = (-9999.0, -99999.0, -999999.0, -32768.0, -32767.0, 1e20, -1e20)
+NO_HEIGHTS_ALONE = (-99.0, -99.9, -99.99, -99.999, -999.0, -999.9, -999.99, -999.999, -9999.9, -9999.99, -9999.999)
+LOWEST_HEIGHT = -99_000.0
 
 
-def first_no_height(heights: NDArray[Any], is_there: NDArray[np.bool_]) -> tuple[int, int] | None:
+def first_no_height(
+    heights: NDArray[Any], is_there: NDArray[np.bool_], says_no_data: bool = False
+) -> tuple[int, int] | None:
     """Row and column of the first height that stands for no data and does not say so. The extremes of a type of 16 bits
-    or more are no heights, nor is anything of 1e30 or more."""
+    or more are no heights, nor is anything of 1e30 or more; nor the lowest, far below all others, if it is all nines or
+    below -99 000, unless the file says what its no data is."""
     is_there = is_there & np.isfinite(heights)
     low, high = heights.min(where=is_there, initial=0), heights.max(where=is_there, initial=0)
-    if low > -9999 and high < 32767:
+    alone = None if says_no_data or low > NO_HEIGHTS_ALONE[0] else _lowest_alone(heights, is_there, low)
+    if alone is None and low > -9999 and high < 32767:
         return None
     if heights.dtype.kind in "iu":
         limits = np.iinfo(heights.dtype)
@@ -152,8 +159,19 @@ def first_no_height(heights: NDArray[Any], is_there: NDArray[np.bool_]) -> tuple
     else:
         with np.errstate(over="ignore"):
             is_wrong = (np.abs(heights) >= 1e30) | np.isin(heights, np.array(NO_HEIGHTS, heights.dtype))
+    if alone is not None:
+        is_wrong = is_wrong | (heights == alone)
     found = np.argwhere(is_wrong & is_there)
     return (int(found[0][0]), int(found[0][1])) if len(found) else None
+
+
+def _lowest_alone(heights: NDArray[Any], is_there: NDArray[np.bool_], low: Any) -> Any:
+    """The lowest height, if it stands for no data where all others are less than half as low, and they are."""
+    is_nines = low in np.array(NO_HEIGHTS_ALONE).astype(heights.dtype if heights.dtype.kind == "f" else np.float64)
+    if not is_nines and low > LOWEST_HEIGHT:
+        return None
+    others = heights[is_there & (heights != low)]
+    return low if others.size and others.min() > low / 2 else None
 
 
 def require_heights(heights: NDArray[Any], is_there: NDArray[np.bool_], how_to_say: str) -> None:
@@ -258,7 +276,13 @@ def require_finite(array: NDArray[Any], name: str) -> None:
 
 
 def triple(value: Any, name: str) -> tuple[float, float, float]:
-    """Three finite numbers, each rounded once to float32."""
+    """Three finite numbers, each rounded once to float32. Of a mapping or a pandas.Series with these names x, y, z."""
+    names = getattr(value, "index", None) if hasattr(value, "iloc") else value if isinstance(value, dict) else None
+    if names is not None and all(isinstance(one, str) for one in names):
+        places = {one.strip().lower(): one for one in names}
+        if set(places) != set("xyz"):
+            raise ValueError(f"{name}: its names are {', '.join(names)}, and must be x, y, z; or give three numbers")
+        value = [value[places[axis]] for axis in "xyz"]
     values = on_host(value, name)
     if values.shape != (3,) or values.dtype.kind not in "iuf":
         raise ValueError(f"{name}: must be three numbers, not {value!r}")

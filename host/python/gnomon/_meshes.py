@@ -79,7 +79,10 @@ def _of_meshio(mesh: Any) -> tuple[Any, Any] | None:
     if mesh.cells and len(faces) == 1:
         raise TypeError(WITHOUT_FACES.format(type(mesh).__name__))
     if points.ndim == 2 and points.shape[1] == 2:
-        points = np.column_stack([points, np.zeros(len(points))])
+        raise TypeError(
+            "vertices: a meshio mesh in two dimensions: give its heights, too, as "
+            "mesh.points = numpy.column_stack([mesh.points, heights])"
+        )
     return points, np.concatenate(faces)
 
 

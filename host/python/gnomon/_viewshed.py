@@ -218,7 +218,7 @@ def _checked(values: NDArray[Any], nodata: float | None) -> NDArray[Any]:
         return np.where(is_there, values, np.array(np.nan, real)).astype(_real_of(real), copy=False)
     if values.dtype in (np.float32, np.float64):
         low, high = _gnomon.range_of_heights(np.ascontiguousarray(values))
-        if low > -9999 and high < 32767:
+        if low > _arrays.NO_HEIGHTS_ALONE[0] and high < 32767:
             return values  # no height is one that stands for no data
     _arrays.require_heights(values, np.ones(values.shape, bool), "nodata={}")
     return values.astype(_real_of(values.dtype), copy=False)

@@ -8,7 +8,7 @@ import sys
 import numpy as np
 import pytest
 import rasterio
-from gnomon import studies
+from gnomon import _arrays, studies
 from made import UTM, write_suns
 
 SUNS = [(180, 45)]
@@ -112,8 +112,19 @@ UNDECLARED = {
     "32767 in int16": (32767, "int16", None),
     "65535 in uint16": (65535, "uint16", None),
     "the least int32": (-(2**31), "int32", None),
+    "-9999.9 in float32": (-9999.9, "float32", None),
+    "-999 in int16": (-999, "int16", None),
+    "-99.9 in float64": (-99.9, "float64", None),
+    "100 km deep": (-100_000, "float32", None),
     "another one is declared": (-32768, "int16", -9999),
 }
+
+
+def test_lows_that_are_heights(tmp_path):
+    """A slope down to -999 has neighbours of its kind, and a file that says what its no data is may have a pit."""
+    heights = np.linspace(-999, 10, 576).reshape(24, 24)
+    assert _arrays.first_no_height(heights, np.ones(heights.shape, bool)) is None
+    hours(tmp_path, write(tmp_path / "dsm.tif", -999, "float32", -9999))
 
 
 @pytest.mark.parametrize("carrier", UNDECLARED)

@@ -3,6 +3,7 @@
 heights, grids, projections. Members that are no trouble stand there too, so that they stay none."""
 
 import json
+import re
 import shutil
 import warnings
 import zipfile
@@ -172,6 +173,8 @@ MESHES = {
     "backwards.obj": (rows("v ") + "f -4 -3 -2 -1 -6 -5\n", ""),
     "continued.obj": (rows("v ") + "f 3 4 5 \\\n6 1 2 # the roof\n", ""),
     "textured.obj": (rows("v ") + "vt 0 0\nvn 0 0 1\nf 3/1/1 4/1/1 5//1 6/1 1 2\n", ""),
+    "mark.obj": ("\ufeff" + rows("v ") + "f 1 2 3\nf 1 3 4\nf 1 4 5\nf 1 5 6\n", ""),
+    "parts.obj": (rows("v ") + "f -6 -5 -4\nf -6 -4 -3\nf -6 -3 -2\nf -6 -2 -1\n" + 9 * "v 900 900 900\n", ""),
     "lines.obj": (rows("v ") + "l 1 2\np 3\nf 3 4 5 6 1 2\n", "2 points, lines, curves or free-form surfaces are left"),
     "triangles.obj": (rows("v ") + "f 1 2 3\nf 1 3 4\nf 1 4 5\nf 1 5 6\n", ""),
     "concave.ply": (ply(), ""),
@@ -195,6 +198,8 @@ NO_MESHES = {
     "points.ply": (ply(count=0, faces=""), "left out.*has no triangles"),
     "strips.ply": (ply(element="tristrips", faces="4 0 1 5 2\n"), "triangle strips, which are not read"),
     "bad.obj": (rows("v ") + "f 1 2 3 9\n", "names a vertex that is not among its 6"),
+    "zero.obj": (rows("v ") + "f 0 1 2\n", "names vertex 0, and they count from 1"),
+    "short.stl": ("x".ljust(80) + "\x05\0\0\0" + "\0" * 100, "is cut off: it says that it has 5 triangles, and has 2"),
     "wires.obj": (rows("v ") + "l 1 2 3\n", "1 points, lines.*has no triangles"),
     "model.foo": ("x", "'foo' not supported"),
 }
@@ -329,7 +334,7 @@ AFFINE = rasterio.Affine(5, 0, 500_000, 0, -5, 4_000_000)
 
 
 def ridge(folder, unit="", crs="EPSG:26913", transform=AFFINE, height=100, name="dsm.tif", dtype="float32", scale=None,
-          count=1, columns=(0, 81), **more):  # fmt: skip
+          tag="", count=1, columns=(0, 81), **more):  # fmt: skip
     heights = np.zeros((11, 81), dtype)
     heights[:, 20] = height
     heights = heights[:, slice(*columns)]
@@ -342,6 +347,8 @@ def ridge(folder, unit="", crs="EPSG:26913", transform=AFFINE, height=100, name=
                 file.write(heights, band + 1)
             if unit:
                 file.units = (unit,) * count
+            if tag:
+                file.update_tags(1, units=tag)
             if scale:
                 file.scales = (scale,) * count
     return str(folder / name)
@@ -363,6 +370,7 @@ UNITS = [
     (dict(crs="EPSG:26913+5703"), None, 1), (dict(crs="EPSG:26913+6360"), None, US_FOOT),
     (dict(crs="EPSG:26913+8228"), None, FOOT), (dict(), "feet", FOOT), (dict(unit="furlong"), "metre", 1),
     (dict(dtype="int16", height=1000, scale=0.1, unit="ft"), None, FOOT / 10),
+    (dict(tag="feet"), None, FOOT), (dict(tag="degrees"), None, 1), (dict(tag="feet", unit="m"), None, 1),
 ]  # fmt: skip
 
 
@@ -393,6 +401,27 @@ def test_grids(tmp_path, name):
     assert shadow(tmp_path, ridge(tmp_path, **GRIDS[name])) == 100
 
 
+def test_a_raster_in_an_archive(tmp_path):
+    with zipfile.ZipFile(tmp_path / "dsm.zip", "w") as archive:
+        archive.write(ridge(tmp_path), "dsm.tif")
+    assert shadow(tmp_path, f"/vsizip/{tmp_path}/dsm.zip/dsm.tif") == 100
+
+
+def test_what_stands_far_from_all_else_is_named(tmp_path):
+    """A mesh around its own origin, or places in degrees, in a study in national coordinates."""
+    raster = ridge(tmp_path)
+    (tmp_path / "roof.obj").write_text(rows("v ") + "f 3 4 5 6 1 2\n")
+    notes = answers(tmp_path, raster=raster, meshes=str(tmp_path / "roof.obj"))[2]
+    assert re.search(r"roof\.obj: stands 40\d\d km away from all receivers, .*: mesh_offset= moves it", notes[0])
+    near = dict(meshes=str(tmp_path / "roof.obj"), mesh_offset=(500_200, 3_999_970, 0))
+    assert not answers(tmp_path, raster=raster, **near)[2]
+    places = [[500_200, 3_999_970, 1], [-105.0, 36.1, 1]]
+    notes = answers(tmp_path, points=places, raster=raster)[2]
+    assert len(notes) == 1 and "points.csv: 1 of 2 points lie far from all casters" in notes[0]
+    assert "the first at (-105, 36.1);" in notes[0]
+    assert not answers(tmp_path, points=[[500_200, 3_999_970, 1], [500_900, 3_999_970, 1]], raster=raster)[2]
+
+
 TILES = {
     "cells that differ by rounding": dict(transform=rasterio.Affine(5.0000000001, 0, 500_205, 0, -5, 4_000_000)),
     "the same zone as a PROJ string": dict(crs="+proj=utm +zone=13 +datum=NAD83 +units=m"),
@@ -421,6 +450,7 @@ REFUSED = {
     "feet": (dict(crs="EPSG:2229", transform=rasterio.Affine(5, 0, 6_480_000, 0, -5, 1_840_000)),
              "not metres on a map but US survey foot .NAD83.*: warp it .*EPSG:32611.* height_unit="),
     "a site's grid in feet": (dict(crs='LOCAL_CS["site",UNIT["foot",0.3048]]'), "not metres on a map but foot"),
+    "the Earth's centre": (dict(crs="EPSG:4978"), "count from the Earth's centre .WGS 84., not on a map"),
     "an unknown unit": (dict(unit="furlong"), "dsm.tif: its heights are in \"furlong\".*give height_unit="),
     "depths": (dict(crs="EPSG:26913+5715"), "points down, and a study needs heights"),
     "no place": (dict(crs=None, transform=None), "has no place on a map .no geotransform.*rio edit-info"),

@@ -154,3 +154,45 @@ def mesh_of(settings: Settings, name: str) -> MeshFile:
 def mesh_triangles(settings: Settings, name: str) -> NDArray[np.float64]:
     """World triangles (F, 3, 3) of a file. Raises as mesh_of() does."""
     return mesh_of(settings, name).triangles
+
+
+def far_from_all(casters: Casters, survey: Survey, box: tuple[float, float, float, float], points: Path) -> list[str]:
+    """A sentence on each mesh that stands ten times its and the receivers' size away from these, whose box (x0, y0, x1,
+    y1) is given; else one on the points of the study, in their file, that lie so far from all casters. They have other
+    coordinates than the rest, most likely."""
+    first_mesh = casters.rows * casters.columns
+    boxes = survey.boxes[first_mesh:]
+    is_known = np.isfinite(survey.tops[first_mesh:])
+    gaps = _gaps(np.maximum(box[:2] - boxes[:, 2:], boxes[:, :2] - box[2:]))
+    is_far = is_known & (gaps > _far(_sizes(boxes) + _sizes(np.array([box]))))
+    notes = [
+        f"{casters.name(first_mesh + i)}: stands {gaps[i] / 1000:.0f} km away from all receivers, from "
+        f"({boxes[i, 0]:.0f}, {boxes[i, 1]:.0f}) to ({boxes[i, 2]:.0f}, {boxes[i, 3]:.0f}), and shadows none of them: "
+        "mesh_offset= moves it"
+        for i in np.flatnonzero(is_far).tolist()
+    ]
+    if notes or casters.settings.receivers != "points" or not (survey.tops > -np.inf).any():
+        return notes
+    extent = survey.extent
+    places = np.load(points, mmap_mode="r")[:, :2]
+    rows = np.flatnonzero(_gaps(np.maximum(extent[:2] - places, places - extent[2:])) > _far(_sizes(extent[None])))
+    if not len(rows):
+        return []
+    x, y = places[rows[0]].tolist()
+    return [
+        f"{casters.settings.points}: {len(rows)} of {len(places)} points lie far from all casters, where nothing shadows "
+        f"them, the first at ({x:.10g}, {y:.10g}); casters stand from ({extent[0]:.0f}, {extent[1]:.0f}) to "
+        f"({extent[2]:.0f}, {extent[3]:.0f}): give x and y on the study's map"
+    ]
+
+
+def _gaps(beyond: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.hypot(*np.maximum(beyond, 0).T)
+
+
+def _sizes(boxes: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.hypot(*(boxes[:, 2:] - boxes[:, :2]).T)
+
+
+def _far(sizes: NDArray[np.float64]) -> NDArray[np.float64]:
+    return 10 * np.maximum(sizes, 1000.0)

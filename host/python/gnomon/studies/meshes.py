@@ -24,7 +24,8 @@ from .units import require_crs_of_mesh
 
 #: Lines of an .obj file that are no triangles: points, lines, curves and free-form surfaces.
 OTHERS_OF_OBJ = re.compile(r"^[ \t]*(p|l|curv2?|surf)[ \t]", re.MULTILINE)
-POLYGON_OF_OBJ = re.compile(r"^[ \t]*f(?:[ \t]+[^\s#]+){4}", re.MULTILINE)
+#: Faces that trimesh does not read as they are: of more than 3 corners, or with an index of 0 or below.
+OWN_FACE_OF_OBJ = re.compile(r"^[ \t]*f(?:(?:[ \t]+[^\s#]+){4}|.*[ \t](?:0|-[0-9]+)(?:[/ \t]|$))", re.MULTILINE)
 
 
 #: Vertices (V, 3), and the rows of each face's corners.
@@ -119,8 +120,11 @@ def read_by_trimesh(name: str) -> tuple[Polygons | NDArray[np.float64], tuple[st
         text = Path(name).read_text(encoding="utf-8", errors="replace").replace("\\\n", " ").replace("\\\r\n", " ")
         if suffix == ".obj" and (others := len(OTHERS_OF_OBJ.findall(text))):
             notes.append(f"{others} points, lines, curves or free-form surfaces are left out")
-        if suffix == ".off" or POLYGON_OF_OBJ.search(text):
+        if suffix == ".off" or OWN_FACE_OF_OBJ.search(text) or text.startswith("\ufeff"):
+            text = text.removeprefix("\ufeff")
             return (_off(text) if suffix == ".off" else _obj(text)), tuple(notes)
+    if suffix == ".stl":
+        _require_whole_stl(name)
     scene: Any = trimesh.load_scene(name, process=False)
     meshes = [g for g in scene.geometry.values() if isinstance(g, trimesh.Trimesh)]
     if others := len(scene.geometry) - len(meshes):
@@ -140,6 +144,15 @@ def read_by_trimesh(name: str) -> tuple[Polygons | NDArray[np.float64], tuple[st
     return triangles, tuple(notes)
 
 
+def _require_whole_stl(name: str) -> None:
+    """Raises UnreadableError for a binary file that is shorter than its number of triangles."""
+    with open(name, "rb") as file:
+        head = file.read(1024)
+    count, room = int.from_bytes(head[80:84], "little"), (Path(name).stat().st_size - 84) // 50
+    if b"facet" not in head and len(head) >= 84 and room < count:
+        raise UnreadableError(f"{name}: is cut off: it says that it has {count} triangles, and has {room}")
+
+
 def _obj(text: str) -> Polygons:
     """Vertices and faces of an .obj file: indices count from 1, or backwards from the last vertex so far."""
     vertices: list[list[float]] = []
@@ -152,6 +165,8 @@ def _obj(text: str) -> Polygons:
             vertices.append([float(word) for word in words[1:4]])
         elif words[0] == "f":
             corners = [int(word.split("/")[0]) for word in words[1:]]
+            if 0 in corners:
+                raise ValueError("a face names vertex 0, and they count from 1")
             faces.append(np.array([i - 1 if i > 0 else len(vertices) + i for i in corners], np.int64))
     return np.array(vertices, np.float64).reshape(-1, 3), faces
 

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from .casters import LARGEST_SPAN, Casters, Survey, largest_tile
+from .casters import LARGEST_SPAN, Casters, Survey, far_from_all, largest_tile
 from .decide import Decider
 from .energy import ENERGIES
 from .rasters import open_mosaic
@@ -165,6 +165,8 @@ def _make_plan(folder: Path, settings: Settings, run_survey: SurveyRun) -> Plan:
     write_whole(folder / "survey.json", json.dumps({"settings": json.loads(settings.as_json())}))
     survey = _run_survey(folder, casters, run_survey, None, list(range(len(casters))))
     survey.save(folder / "survey.npz")
+    for note in far_from_all(casters, survey, receivers.box, folder / "points.npy"):
+        warnings.warn(note, stacklevel=2)
     exponent = _exponent(settings, casters, survey)
     digest = hashlib.sha256(
         " ".join(

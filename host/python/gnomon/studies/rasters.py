@@ -102,14 +102,14 @@ def _read(name: str, row: int, column: int, rows: int, columns: int) -> NDArray[
         _opened.cache_clear()  # the next read opens the file again
         raise UnreadableError(f"{name}: cannot be read: {error}") from error
     heights[~np.isfinite(heights)] = np.nan
-    _require_declared(masked, name, row, column)
+    _require_declared(masked, name, row, column, data.nodata is not None)
     return heights
 
 
-def _require_declared(masked: Any, name: str, row: int, column: int) -> None:
+def _require_declared(masked: Any, name: str, row: int, column: int, says_no_data: bool) -> None:
     """Values as they lie in the file, without its scale."""
     values = np.ma.getdata(masked)
-    found = _arrays.first_no_height(values, ~np.ma.getmaskarray(masked))
+    found = _arrays.first_no_height(values, ~np.ma.getmaskarray(masked), says_no_data)
     if found is not None:
         value = values[found].item()
         _opened.cache_clear()  # the next read sees what is declared then
@@ -216,7 +216,7 @@ def _is_same_map(one: Any, other: Any) -> bool:
 
 def _unit_of(data: Any, name: str, height_unit: str | None) -> float:
     """The metres of the heights' unit: that of the settings, of the band, or of the CRS's heights."""
-    declared = height_unit if height_unit is not None else data.units[0] or None
+    declared = height_unit if height_unit is not None else data.units[0] or _unit_in_tags(data)
     try:
         metres = metres_of_height(data.crs)
     except ValueError as error:
@@ -231,6 +231,14 @@ def _unit_of(data: Any, name: str, height_unit: str | None) -> float:
             '"foot", "US survey foot" or "centimetre"'
         )
     return known
+
+
+def _unit_in_tags(data: Any) -> str | None:
+    """The first band's unit as metadata have it that GDAL does not take for the band's own; None if none has a unit of
+    length."""
+    tags = {key.lower(): value for key, value in (data.tags() | data.tags(1)).items()}
+    names = ("units", "unit", "unittype", "unit_type", "vertical_units", "z_units")
+    return next((tags[key] for key in names if key in tags and metres_of(tags[key]) is not None), None)
 
 
 def faces_of_grid(rows: int, columns: int) -> NDArray[np.int64]:

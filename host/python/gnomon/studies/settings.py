@@ -155,7 +155,7 @@ def _check_scene(s: Settings) -> None:
         _need(metres_of(s.height_unit) is not None, f"height_unit: {s.height_unit!r} is no unit of length")
     names = [*s.raster, *s.meshes, *(f for f in (s.points, s.directions, s.weather, s.weights) if f)]
     for name in names:
-        _need(Path(name).exists() or "://" in name, f"{name}: there is no such file")
+        _need(Path(name).exists() or _is_gdals(name), f"{name}: there is no such file")
 
 
 def _check_suns(s: Settings) -> None:
@@ -234,12 +234,17 @@ def _names_of(value: Any, key: str) -> list[str]:
     return [name for one in value for name in _names_of(one, key)]
 
 
+def _is_gdals(name: str) -> bool:
+    """A name that only GDAL finds: an address, or a member of an archive."""
+    return "://" in name or name.startswith("/vsi")
+
+
 def files_of(value: Any, folder: Path | None = None, key: str = "files") -> tuple[str, ...]:
     """Absolute paths in the given order. A name with * or ? stands for its matches, sorted."""
     folder = Path.cwd() if folder is None else folder
     paths: list[str] = []
     for name in _names_of(value, key):
-        path = name if "://" in name else str((folder / name).absolute())
+        path = name if _is_gdals(name) else str((folder / name).absolute())
         matches = sorted(glob.glob(path)) if re.search(r"[*?]", name) else [path]
         _need(bool(matches), f"{name}: there is no such file")
         paths += matches

@@ -65,7 +65,9 @@ def require_metres(name: str, crs: Any, x: float, y: float) -> None:
     units = {axis.unit_name: axis.unit_conversion_factor for axis in flat.axis_info}
     if flat.is_geographic:
         raise ValueError(f"{name}: its coordinates are degrees ({flat.name}), not metres on a map: {warp}")
-    if flat.is_geocentric or any(abs(factor - 1) > 1e-12 for factor in units.values()):
+    if flat.is_geocentric:
+        raise ValueError(f"{name}: its coordinates count from the Earth's centre ({flat.name}), not on a map: {warp}")
+    if any(abs(factor - 1) > 1e-12 for factor in units.values()):
         raise ValueError(
             f"{name}: its coordinates are not metres on a map but {', '.join(units) or 'unknown'} ({flat.name}): {warp}"
             "; where its heights are not metres either, and OUT.tif no longer says so, give height_unit="
