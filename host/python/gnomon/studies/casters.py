@@ -180,8 +180,8 @@ def far_from_all(casters: Casters, survey: Survey, box: tuple[float, float, floa
         return []
     x, y = places[rows[0]].tolist()
     return [
-        f"{casters.settings.points}: {len(rows)} of {len(places)} points lie far from all casters, where nothing shadows "
-        f"them, the first at ({x:.10g}, {y:.10g}); casters stand from ({extent[0]:.0f}, {extent[1]:.0f}) to "
+        f"{casters.settings.points}: {len(rows)} of {len(places)} points lie far from all casters, where nothing "
+        f"shadows them, the first at ({x:.10g}, {y:.10g}); casters stand from ({extent[0]:.0f}, {extent[1]:.0f}) to "
         f"({extent[2]:.0f}, {extent[3]:.0f}): give x and y on the study's map"
     ]
 
