@@ -10,12 +10,19 @@ namespace {
 
 constexpr double slack_share = 0.01;   ///< of the content's largest side: how far a shell leaves being convex
 constexpr double ground_share = 0.01;  ///< of the content's height: what lies lower may be ground, wider than a dome
+constexpr double core_share = 0.2;     ///< of what is seen, on each side of its middle: a shell is not there
 constexpr double sliver_height = 0x1p-16;  ///< of its coordinates: float32 has turned the plane of what is lower
 constexpr double near_share = 1.5;         ///< of the way from a shell's middle to a sliver of it
 constexpr double width_beside_ground = 0.5;
 constexpr std::size_t least_lines = 5;  ///< along each axis, that meet the shell
 
 double width_of(const Bounds& box) { return std::hypot(box.sides().x, box.sides().z); }
+
+bool is_in(const float* t, const Bounds& box) {
+    for (int k = 0; k < 9; ++k)
+        if (t[k] < box.least[k % 3] || t[k] > box.most[k % 3]) return false;
+    return true;
+}
 
 bool is_below(const float* t, double height) { return std::max({t[1], t[4], t[7]}) <= height; }
 
@@ -31,6 +38,7 @@ std::optional<Shell::Plane> Shell::plane_of(const float* t) {
 }
 
 bool Shell::has(const float* triangle) const {
+    if (is_in(triangle, core_)) return false;
     const std::optional<Plane> plane = plane_of(triangle);
     if (!plane)
         return std::ranges::all_of(std::array{0, 3, 6},
@@ -80,7 +88,9 @@ bool Shell::find(const Scene& scene, const Content& content, double least_height
         if (met < least_lines) return false;
     }
     slack_ = slack_share * largest_coordinate(all.sides());
-    for (const glm::dvec3& p : points_) middle_ += p / double(points_.size());
+    Bounds around;
+    for (const glm::dvec3& p : points_) middle_ += p / double(points_.size()), around.add(p);
+    core_ = {middle_ - core_share * around.sides(), middle_ + core_share * around.sides()};
     for (const float* t : seen) {
         if (!has(t)) return false;
         if (std::optional<Plane> plane = plane_of(t)) {

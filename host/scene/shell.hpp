@@ -35,6 +35,7 @@ private:
     std::vector<glm::dvec3> points_;  ///< what lines along the axes meet first
     std::vector<Plane> planes_;       ///< there
     glm::dvec3 middle_{0};            ///< of the points
+    Bounds core_;                     ///< within the shell
     double slack_ = 0;
     Bounds bounds_;
 };
