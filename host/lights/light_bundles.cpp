@@ -316,7 +316,7 @@ std::optional<LightBundles> make_sector_bundles(std::span<const Light> lights, s
         const glm::dvec3& d = (*directions)[i].unit;
         const double x = d[(int(axis) + 1) % 3], y = d[(int(axis) + 2) % 3], height = d[int(axis)];
         const double across = std::hypot(x, y);
-        if (height > 1e-6 && across > 0.05)
+        if (height > SECTOR_LEAST_RISE && across > 0.05)
             sectors.push_back({i, std::atan2(y, x), height / across});
         else
             others.push_back(i);

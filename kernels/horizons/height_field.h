@@ -16,7 +16,7 @@
 #define FIELD_LARGEST_COORDINATE 0x1p19f
 // Triangles with smaller cells are no height field. And a corner's distance (in half cells) is taken for FIELD_NEAR
 // more: so products of two distances bound what underflow takes, too (tests/proofs/horizons.v).
-#define FIELD_LEAST_CELL 0x1p-40f
+#define FIELD_LEAST_CELL 0x1p-34f
 #define FIELD_NEAR 0x1p-40f
 // A triangle over more cells than this is not part of a height field.
 #define MAX_CELLS_OF_TRIANGLE 4096

@@ -7,6 +7,8 @@
 #include "simd/points.h"
 
 #define MAX_BUNDLE_LIGHTS 32u
+// Lights of a sector rise by more than this, of a length of 1: so rounding and underflow take little of their slopes.
+#define SECTOR_LEAST_RISE 1e-6f
 
 // All directions are scaled by powers of two, exactly, so that the largest coordinate of each is between 1/2 and 1. A
 // cone contains the directions of some lights: for each direction D there are s > 0 and u, v in [-1, 1] with s D =

@@ -65,6 +65,8 @@ refused pyramid_slopes
 # What keeps bounds above what underflow takes.
 noticed horizons/height_field.h 's/FIELD_NEAR 0x1p-40f/FIELD_NEAR 0x1p-60f/' horizons.v
 refused horizons
+noticed lights/light_bundle.h 's/SECTOR_LEAST_RISE 1e-6f/SECTOR_LEAST_RISE 1e-7f/' slopes.v
+refused slopes
 noticed lights/light_sides.cl 's/0x1p-98f/0x1p-100f/' light_sides.v
 refused light_sides
 noticed beams/beam.h 's/BEAM_ROUNDING 4e-6f/BEAM_ROUNDING 3.1e-6f/' leaf_extents.v

@@ -3,7 +3,7 @@
    2^-19 times the product of their distances |x| + |y| + FIELD_NEAR.
 
    Assumed: a sector's vectors are unit vectors times `halves`, off by two roundings, and 0 or no denormals;
-   `halves` is at most 2^41 (FIELD_LEAST_CELL), no distance above 2^20 half cells. Denormals may be kept or flushed. *)
+   `halves` is at most 2^41 (FIELD_LEAST_CELL: 2^35), no distance above 2^20 half cells. Denormals may be kept or flushed. *)
 From Coq Require Import Reals QArith Lia Lra Psatz.
 From Flocq Require Import Core.
 Require Import Roundings Devices Filters.

@@ -9,7 +9,7 @@
    met one rounding; the pyramid's whole numbers are at least 1/100 unit beyond the ground's heights, which are 0 to
    65535 units (FIELD_SLACK, 1/16, has what the roundings of triangles' heights, 10 u of 65535 each, need beside:
    prose); a step begins up to 2^20 half cells away; a unit of length has up to 2^76 units of height, as no cell is
-   smaller than 2^-40 (set_grid()). Denormals may be kept or flushed. Overflow: heights are below 2^20 units. *)
+   smaller than 2^-34 (set_grid()). Denormals may be kept or flushed. Overflow: heights are below 2^20 units. *)
 From Coq Require Import Reals QArith Qreals Lra Psatz.
 From Flocq Require Import Core.
 Require Import Roundings Devices Filters.

@@ -4,13 +4,13 @@
 #include "horizons/strip_triangle.clh"
 
 // A corner's numbers; then, from the numbers of two corners as they are computed, the slope between them and a corner's
-// slope, with their bounds; and the height over a point.
+// slope, with their bounds; the least slope of a sector's lights, times `halves`; and the height over a point.
 __kernel void probe(float3 a, float3 at, __global const HorizonSector* sector, float halves, float units, float q_i,
                     float q_j, float height_i, float height_j, float height_k, float size_i, float size_j,
                     float farthest, float highest, float3 areas, __global float* q, __global float* across,
                     __global float* height, __global float* distance, __global float* q_between, __global float* slope,
                     __global float* slope_bound, __global float* corner, __global float* corner_bound,
-                    __global float* over, __global float* over_bound) {
+                    __global float* least, __global float* over, __global float* over_bound) {
     HeightField field;
     field.axis = 2u;
     field.halves = halves;
@@ -29,6 +29,7 @@ __kernel void probe(float3 a, float3 at, __global const HorizonSector* sector, f
     *q_between = q_of, *slope_bound = error;
     *corner = slope_at(&of, of.height[0], of.q[0], SLOPE_ERROR, &error);
     *corner_bound = error;
+    *least = SECTOR_LEAST_RISE * units;
     LaneFloat of_areas[3] = {areas.x, areas.y, areas.z};
     *over = height_over_point(&of, of_areas, &error);
     *over_bound = error;

@@ -4,11 +4,16 @@
    the height of a triangle's plane over the point, against 2^-17 farthest^2 highest. From the corners' coordinates on:
      q_near, across_near, height_near   a corner's numbers: 4e-7 of its distance, and 2 roundings;
      between_near, corner_near          the slope of a place of an edge, and of a corner;
-     over_near                          the height over the point.
+     over_near                          the height over the point;
+     height_near32                      what underflow takes of a height, denormals kept or flushed: 37 x 2^-126 units;
+     underflow_is_covered               a slope's error has room for that, since a sector's lights rise by
+                                        SECTOR_LEAST_RISE (make_sector_bundles() leaves others to beams).
 
    Assumed: a sector's vectors are unit vectors times `halves`, off by two roundings, so no coordinate exceeds
      `halves`; a
-   quotient is off by 2.5 ulp; no result is below 2^-126 unless it is 0; areas are off by 2^-19 farthest^2
+   quotient is off by 2.5 ulp; but in the last two, no result is below
+   2^-126 unless it is 0; `units` is at least 1/32, since no height exceeds 2^20; cells are not below FIELD_LEAST_CELL;
+   areas are off by 2^-19 farthest^2
      (horizons.v) and
    at most 2.01 farthest^2; no q exceeds 1.001 farthest, no height `highest`; a corner within the strip is at most 64
      q away
@@ -75,6 +80,8 @@ Definition corner :=
 Definition corner_bound :=
   Mul (Given quotient_2 5) (Times (8796093 # 8796093022208) (Fma (Abs corner) (Given farthest 0) (Given highest
     0))).
+(* least = least_constant * (Given units 0) *)
+Definition least_constant : Q := 8796093 # 8796093022208.
 Definition over :=
   Fma (Given areas_z 0) (Given height_k 0) (Fma (Given areas_y 0) (Given height_j 0) (Fma (Given areas_x 0) (Given
     height_i 0) (Const (0 # 1)))).
@@ -262,6 +269,49 @@ Proof. reflexivity. Qed.
 Definition least_error := Eval vm_compute in
   ((6 # 10000000) / (1 - alphaQ u32Q (roundings slope_bound - roundings slope)))%Q.
 
+(* ---- What underflow takes of a height, denormals kept or flushed ---- *)
+Section Underflow.
+Variable x : nat -> R.
+Hypothesis units_in : / 32 <= x units.
+Definition may_lose (i : nat) : Q := if Nat.eqb i units then 0 else h32Q.
+Lemma units_are_kept : keeps x may_lose.
+Proof.
+  intros i. unfold may_lose. destruct (Nat.eqb_spec i units) as [-> |]; [right | now left]. split; [reflexivity |].
+  right. assert (h := h32_below). simpl in h. rewrite Rabs_pos_eq; lra.
+Qed.
+Theorem height_near32 v : computes32 x height v ->
+  Rabs (v - real x height) <= 201 / 100 * / 16777216 * Rabs (real x height) + 37 * h32 * x units.
+Proof.
+  intros C. assert (K := computed_is_off u32 h32 (bpow_ge_0 _ _) (bpow_ge_0 _ _) rounds32 seen32 rounds32_near seen32_near
+    x (fun i => Q2R (may_lose i)) (keeps_range x _ units_are_kept) (keeps_near x _ units_are_kept) _ v C).
+  assert (A2 := alpha_below 2 ltac:(lia)). simpl INR in A2. assert (h := h32_positive).
+  cbn -[u32 h32 alpha may_lose] in *. unfold of_product in K. replace (Q2R (may_lose units)) with 0 in K
+    by (unfold may_lose; simpl; now rewrite Q2R_0').
+  rewrite Rabs_mult. rewrite u32_value in *. rewrite (Rabs_pos_eq (x units)) in * by lra.
+  assert (P : 0 <= x units * Rabs (x a_z - x at_z)) by (apply Rmult_le_pos; [lra | apply Rabs_pos]).
+  assert (E := Rmult_le_compat_r _ _ _ P A2).
+  assert (A0 : alpha (/ 16777216) 0 = 0) by (unfold alpha; simpl; lra). rewrite A0 in K.
+  assert (hu := Rmult_le_compat_l h32 _ _ ltac:(lra) units_in). lra.
+Qed.
+End Underflow.
+
+(* A sector's lights rise by 1e-6 at least (SECTOR_LEAST_RISE), so that their slopes are not below `least`. A slope that
+   is not below .9 of that has room for what underflow takes of heights: SLOPE_ERROR has 3e-7 more than of_slope. *)
+Lemma underflow_is_covered slope_ U L F : 0 < U -> 0 < L <= 34359738368 -> / 1099511627776 <= F ->
+  9 / 10 * (Q2R least_constant * U / L) <= slope_ -> 37 * h32 * U <= 3 / 10000000 * (slope_ * F).
+Proof.
+  intros U0 [L0 L1] F0 S. assert (h := h32_below). simpl in h.
+  assert (r : 999 / 1000000000 <= Q2R least_constant) by (unfold Q2R, least_constant; simpl; lra).
+  assert (I : / 34359738368 <= / L) by (apply Rinv_le_contravar; lra).
+  assert (I0 : 0 <= / 34359738368) by lra.
+  assert (Z : 0 <= 999 / 1000000000 * U) by lra.
+  assert (G := Rmult_le_compat _ _ _ _ Z I0 (Rmult_le_compat_r U _ _ ltac:(lra) r) I).
+  unfold Rdiv in S. assert (S0 : 9 / 10 * (999 / 1000000000 * U * / 34359738368) <= slope_) by lra.
+  assert (N : 0 <= 9 / 10 * (999 / 1000000000 * U * / 34359738368)) by lra.
+  assert (E : 0 <= / 1099511627776) by lra. assert (W := Rmult_le_compat _ _ _ _ N E S0 F0).
+  assert (H := Rmult_le_compat_r U _ _ ltac:(lra) h). lra.
+Qed.
+
 (* ---- The height over the point ---- *)
 Section Over.
 Variable x : nat -> R.
@@ -317,5 +367,5 @@ Definition constants := Eval vm_compute in shown least_error slope_error.
 Print constants.
 Definition rests := Eval vm_compute in shown least_over over_error.
 Print rests.
-Definition checked := (q_near, across_near, height_near, between_near, corner_near, over_near).
+Definition checked := (q_near, across_near, height_near, height_near32, underflow_is_covered, between_near, corner_near, over_near).
 Print Assumptions checked.
