@@ -283,7 +283,8 @@ static void measure_errors(const ViewPlan* plan, const MapView* map, const float
     }
 }
 
-static MapView map_view_of(const ViewPlan* plan, const PlannedView* view, uint i, Rectangle r, float2 depths) {
+static MapView map_view_of(const ViewPlan* plan, const PlannedView* view, SceneBox scene, uint i, Rectangle r,
+                           float2 depths) {
     MapView map;
     float4 row_w = view->row_w, one = (float4)(0.0f, 0.0f, 0.0f, 1.0f);
     map.row_u = unit_row(view->row_u, row_w, r.low.x, r.high.x);
@@ -299,7 +300,8 @@ static MapView map_view_of(const ViewPlan* plan, const PlannedView* view, uint i
     map.warp = map.log_strength > 1.0e-3f ? WARP_LOGARITHMIC : WARP_NONE;
     map.blend_from = map.select_far;
     map.face = view->face;
-    map.warp_size = map.forward_first = map.padding[0] = map.padding[1] = 0;
+    map.scene_depth = scene.diagonal * sqrt(dot3(map.row_depth.xyz, map.row_depth.xyz));
+    map.warp_size = map.forward_first = map.padding = 0;
     map.centres_first = i * 2 * MAX_SIDES * plan->map_size;
     map.width = map.height = plan->map_size;
     map.row_stride = plan->map_size;
@@ -346,10 +348,11 @@ __kernel void map_projection_fit(ViewPlan world_plan, __global const KeyBounds* 
         bool is_off = view.is_off || is_empty(&points);
         MapView map;
         if (is_off) {
-            map = map_view_of(&plan, &view, i, (Rectangle){(float2)(0.0f), (float2)(1.0f)}, (float2)(0.0f, 1.0f));
+            map =
+                map_view_of(&plan, &view, scene, i, (Rectangle){(float2)(0.0f), (float2)(1.0f)}, (float2)(0.0f, 1.0f));
             map.width = map.height = 0;
         } else {
-            map = map_view_of(&plan, &view, i, fitted_rectangle(&plan, &view, scene, &body, points),
+            map = map_view_of(&plan, &view, scene, i, fitted_rectangle(&plan, &view, scene, &body, points),
                               fitted_depths(&plan, &view, scene, points));
             if (plan.blends && i + 1 < plan.view_count)
                 map.blend_from = fmax(planned[FIRST_VIEW + i + 1].cover_near, view.near_depth);
