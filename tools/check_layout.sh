@@ -150,22 +150,24 @@ awk '$1 > 14 { print $3 ": " $2 ": " $1 " arguments" }' <<<"$arguments" | sort |
 awk '$1 > 12 { lines = lines $3 ": " $2 ": " $1 " arguments\n"; ++count } END { if (count > 4) printf "%s", lines }' \
     <<<"$arguments" | sort | complain 'at most 4 kernels have more than 12 arguments'
 
-# What a visitor reads stays short. Proofs (docs/numerics.md), the tutorials of interfaces and the notebook may be long.
+# What a visitor reads stays short. Proofs (docs/numerics.md), the table of docs/audit.md, the tutorials of interfaces and the notebook may be long.
 if [ -f README.md ] && [ "$(wc -c <README.md)" -gt 6000 ]; then
     echo "README.md: $(wc -c <README.md) bytes" | complain 'README.md has at most 6 kB'
 fi
 lines_of '^CONTRIBUTING\.md$' | awk '$1 > 120 { print $2 ": " $1 " lines" }' |
     complain 'CONTRIBUTING.md has at most 120 lines'
 files_matching '^docs/.*\.md$' | xargs -0 -r awk '
-    FILENAME !~ /^docs\/(notebook\/|(numerics|python|integrations|ladybug|weather|shares|studies|view|viewshed|embedding|gltf)\.md$)/ { words += NF }
+    FILENAME !~ /^docs\/(notebook\/|(audit|numerics|python|integrations|ladybug|weather|shares|studies|view|viewshed|embedding|gltf)\.md$)/ { words += NF }
     FILENAME == "docs/view.md" { words_of_view += NF }
     FILENAME == "docs/many_lights.md" { words_of_many_lights += NF }
+    FILENAME == "docs/audit.md" { words_of_audit += NF }
     FILENAME == "docs/performance.md" { ++lines }
     END { if (words > 8300) print "docs: " words " words"
           if (words_of_view > 700) print "docs/view.md: " words_of_view " words"
+          if (words_of_audit > 5600) print "docs/audit.md: " words_of_audit " words"
           if (words_of_many_lights > 1500) print "docs/many_lights.md: " words_of_many_lights " words"
           if (lines > 150) print "docs/performance.md: " lines " lines" }' |
-    complain 'docs/ without numerics.md, gltf.md, the tutorials and the notebook has at most 8300 words, docs/many_lights.md at most 1500, docs/view.md 700, docs/performance.md at most 150 lines'
+    complain 'docs/ without audit.md, numerics.md, gltf.md, the tutorials and the notebook has at most 8300 words, docs/audit.md at most 5600, docs/many_lights.md 1500, docs/view.md 700, docs/performance.md at most 150 lines'
 
 # README and CONTRIBUTING are true: what they name is there.
 for page in README.md CONTRIBUTING.md; do
@@ -175,5 +177,26 @@ for page in README.md CONTRIBUTING.md; do
         sort -u | while IFS= read -r path; do [ -e "$path" ] || echo "$path"; done |
         complain "$page names files that are not there"
 done
+
+# docs/audit.md is true: what its rows name is there, a function in the file that the row names before it, outside of
+# comments that take a whole line; and its counts, here and in docs/techniques.md, are those of its rows.
+if [ -f docs/audit.md ]; then
+    awk -F'|' '/^\| *[0-9]+ \|/ {
+        n = split($5, names, "`"); for (i = 2; i <= n; i += 2) print $2 + 0, names[i]
+        n = split($7, names, "`"); for (i = 2; i <= n; i += 2) if (names[i] ~ /^[a-z]+\/[^ ]*$/) print $2 + 0, names[i]
+    }' docs/audit.md | while read -r row name; do
+        if [[ $name == */* ]]; then
+            file=$name
+            [ -f "$file" ] || echo "row $row: $file"
+        elif ! [ -f "$file" ] || ! grep -vE '^ *(//|#[^d])' "$file" | grep -wF -- "$name" >/dev/null; then
+            echo "row $row: $name in $file"
+        fi
+    done | complain 'docs/audit.md names files or functions that are not there'
+    verdicts=$(awk -F'|' '/^\| *[0-9]+ \|/ { gsub(/[* ]/, "", $6); ++rows[$6] } END {
+        print rows["faithful"] + 0 " faithful, " rows["simplified"] + 0 " simplified, " rows["absent"] + 0 " absent, " \
+              rows["notapplicable"] + 0 " not applicable" }' docs/audit.md)
+    for page in docs/audit.md docs/techniques.md; do grep -qF "$verdicts" $page || echo "$page: $verdicts"; done |
+        complain "the rows of docs/audit.md have other verdicts than this page counts"
+fi
 
 exit $broken

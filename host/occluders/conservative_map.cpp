@@ -10,7 +10,7 @@ void ConservativeMap::run(cl::Session& session, const LightFrame& frame, const c
     map_.reserve(session, bytes);
     session.fill({{map_, 0, bytes}});  // below every height's key
     const ConservativeMapParams params{.tile_capacity = setup.map_tiles().capacity(),
-                                       .circle_cover = cover_test == CoverTest::circle};
+                                       .cover_test = static_cast<cl_uint>(cover_test)};
     session.launch("occluders/conservative_map.cl", "conservative_map_draw", cl::Range::shares(params.tile_capacity),
                    params, projection, setup.records(), setup.map_tiles().buffer(), pyramid, map_, counters,
                    cl::LocalBytes{session.work_group_size() * sizeof(cl_uint)},

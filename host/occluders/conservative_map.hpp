@@ -9,8 +9,9 @@
 
 namespace gnomon {
 
-enum class CoverTest { tight, circle };
-inline constexpr std::string_view cover_test_names[] = {"tight", "circle"};
+// In the order of the constants' values in conservative_map.h.
+enum class CoverTest : cl_uint { tight, circle, slope };
+inline constexpr std::string_view cover_test_names[] = {"tight", "circle", "slope"};
 
 class ConservativeMap {
 public:

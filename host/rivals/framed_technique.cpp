@@ -14,7 +14,9 @@ const SettingsTable<FramedSettings>& all_settings() {
         {{"neighbours", "on", "on or off: test the triangles of the 8 texels around the point's as well"},
          setting::on_off(&S::neighbours)},
         {{"cover-test", "tight",
-          "tight (Mizokuchi and Tokuyoshi) or circle (Hertel et al. 2009): when a texel counts as covered"},
+          "tight (Mizokuchi and Tokuyoshi), circle (Hertel et al. 2009) or slope (tight, with the slope-scaled depth "
+          "of "
+          "graphics hardware): when a texel counts as covered, and from which depth on"},
          setting::choice(&S::cover_test, cover_test_names)},
         {{"map-size", "1024", "texels per side of the light's grid, 16 to 8192"},
          setting::whole(&S::map_size, smallest_map_size, largest_map_size)},

@@ -47,15 +47,18 @@ static LaneInt covers_circle(const TriangleRecord* record, LaneFloat x, float y)
 }
 
 // Draws one triangle into GN_LANES texels from (x, y) on, up to last_x; returns the number of covered texels.
-static uint draw_texels(const TriangleRecord* record, uint x, uint last_x, uint y, uint circle_cover,
+static uint draw_texels(const TriangleRecord* record, uint x, uint last_x, uint y, uint cover_test,
                         volatile __global uint* row) {
     LaneFloat left = LANES_TO_FLOAT((LaneInt)((int)x) + LANE_INDEX);
-    LaneInt covers = LANE_COMPARE((LaneInt)((int)(last_x - x)), >, LANE_INDEX) &
-                     (circle_cover ? covers_circle(record, left, (float)y) : covers_tight(record, left, (float)y));
+    LaneInt covers =
+        LANE_COMPARE((LaneInt)((int)(last_x - x)), >, LANE_INDEX) &
+        (cover_test == COVER_CIRCLE ? covers_circle(record, left, (float)y) : covers_tight(record, left, (float)y));
     if (!LANES_ANY(covers)) return 0u;
     LaneFloat lowest = lowest_at_corners(record->plane_x, record->plane_y, record->plane_0, left, (float)y) -
                        record->margin_plane * (1.0f + 4.0f * GN_U);
-    lowest = fmax(lowest - 2.0f * GN_U * fabs(lowest), record->z_low);
+    // z(centre) - max(|dz/dx|, |dz/dy|) is lower than the corner by half of the slopes' difference.
+    if (cover_test == COVER_SLOPE) lowest -= 0.5f * fabs(fabs(record->plane_x) - fabs(record->plane_y));
+    lowest = fmax(lowest - 2.0f * GN_U * fabs(lowest), cover_test == COVER_SLOPE ? -INFINITY : record->z_low);
     LaneInt heights = lanes_in_order(lowest);
     for (int lane = 0; lane < GN_LANES; ++lane) {
         if (!LANE_OF_INT(covers, lane)) continue;
@@ -67,17 +70,17 @@ static uint draw_texels(const TriangleRecord* record, uint x, uint last_x, uint 
 
 // Draws one triangle into the texels of a rectangle of bins; returns the number of covered texels.
 static uint draw_bins(const TriangleRecord* record, __constant const Projection* projection, uint4 bins,
-                      uint circle_cover, volatile __global uint* map) {
+                      uint cover_test, volatile __global uint* map) {
     uint size = 1u << projection->bin_log2, written = 0;
     uint last_x = min((bins.z + 1u) * size, projection->width), last_y = min((bins.w + 1u) * size, projection->height);
     for (uint y = bins.y * size; y < last_y; ++y)
         for (uint x = bins.x * size; x < last_x; x += GN_LANES)
-            written += draw_texels(record, x, last_x, y, circle_cover, map + y * projection->width);
+            written += draw_texels(record, x, last_x, y, cover_test, map + y * projection->width);
     return written;
 }
 
 #ifdef GN_CPU
-GN_NOINLINE_ON_CPU uint draw_tiles(ItemRange items, __constant const Projection* projection, uint circle_cover,
+GN_NOINLINE_ON_CPU uint draw_tiles(ItemRange items, __constant const Projection* projection, uint cover_test,
                                    __global const TriangleRecord* records, __global const uint2* tiles,
                                    volatile __global uint* map) {
     uint written = 0;
@@ -85,7 +88,7 @@ GN_NOINLINE_ON_CPU uint draw_tiles(ItemRange items, __constant const Projection*
         uint2 tile = tiles[i];
         if (tile.x == GN_NO_ID) continue;
         TriangleRecord record = records[tile.x];
-        written += draw_bins(&record, projection, bins_of_tile(tile.y), circle_cover, map);
+        written += draw_bins(&record, projection, bins_of_tile(tile.y), cover_test, map);
     }
     return written;
 }
@@ -100,7 +103,7 @@ __kernel void conservative_map_draw(ConservativeMapParams params, __constant con
     __local uint sum;
     uint count = min(counters->map_tiles, params.tile_capacity), written = 0;
 #ifdef GN_CPU
-    written = draw_tiles(GN_SHARED_RANGE(count), projection, params.circle_cover, records, tiles, map);
+    written = draw_tiles(GN_SHARED_RANGE(count), projection, params.cover_test, records, tiles, map);
 #else
     uint item = (uint)get_local_id(0), items = (uint)get_local_size(0);
     TileGroup group = {group_tiles, ends};
@@ -111,7 +114,7 @@ __kernel void conservative_map_draw(ConservativeMapParams params, __constant con
             bool alone;
             uint4 bin = bin_to_walk(group, i, &slot, &alone);
             TriangleRecord record = records[slot];
-            written += draw_bins(&record, projection, bin, params.circle_cover, map);
+            written += draw_bins(&record, projection, bin, params.cover_test, map);
         }
         barrier(CLK_LOCAL_MEM_FENCE);
     }

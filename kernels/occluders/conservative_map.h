@@ -4,9 +4,14 @@
 
 #include "prelude.h"
 
+// When a texel counts as covered, and the height it gets.
+#define COVER_TIGHT 0u   // the triangle covers its four corners; the plane's height at the lowest of them
+#define COVER_CIRCLE 1u  // Hertel's test; the same height
+#define COVER_SLOPE 2u   // as tight; the height that graphics hardware gives the paper: slope-scaled bias, d = 1
+
 GN_STRUCT_BEGIN(ConservativeMapParams)
     uint tile_capacity;  // of the map's tiles
-    uint circle_cover;   // 1: a texel counts as covered by Hertel's test; 0: by the tight one
+    uint cover_test;     // below
 GN_STRUCT_END(ConservativeMapParams, 8)
 
 #ifndef __cplusplus

@@ -153,6 +153,27 @@ must_catch CONTRIBUTING.md "$(repeated 120 'word')"
 must_catch docs/performance.md "$(repeated 150 '-')"
 must_catch README.md "$(repeated 600 '123456789')"
 must_accept docs/numerics.md "$(repeated 8301 'word')"
+
+# The table of docs/audit.md: files and functions that are not there, in both columns, and counts that are not its own.
+audit_of() { printf '%s\n' "| 1 | 2.1 | Sums are exact. | $1 | faithful | $2 |" '1 faithful, 0 simplified, 0 absent, 0 not applicable'; }
+must_audit() {  # rows, what the check must name ('': it must pass)
+    local output
+    make_good_tree
+    printf '%s\n' '1 faithful, 0 simplified, 0 absent, 0 not applicable' >"$tree/docs/techniques.md"
+    printf '%s\n' "$1" >"$tree/docs/audit.md"
+    output=$("$check_layout" "$tree" 2>&1) || true
+    if [[ -z $2 && -n $output || $output != *"$2"* ]]; then
+        echo "audit, '$2' must be found in '$1'; the check said: $output"
+        failures=$((failures + 1))
+    fi
+}
+must_audit "$(audit_of '`kernels/trace/trace.cl`: `nomad`' 'See `kernels/exact/sum.h`, `fit=a`.')" ''
+must_audit "$(audit_of '`kernels/trace/gone.cl`: `nomad`' '')" 'row 1: kernels/trace/gone.cl'
+must_audit "$(audit_of '`kernels/trace/trace.cl`: `gone`' '')" 'row 1: gone in kernels/trace/trace.cl'
+must_audit "$(audit_of '`kernels/trace/trace.cl`: `stage`' '')" 'row 1: stage in kernels/trace/trace.cl'
+must_audit "$(audit_of '`kernels/trace/trace.cl`' 'See `kernels/gone.h`.')" 'kernels/gone.h'
+must_audit "$(audit_of '`kernels/trace/trace.cl`' '' | sed 's/1 faithful/2 faithful/')" 'docs/audit.md: 1 faithful, 0 simplified'
+must_catch docs/audit.md "$(repeated 5601 'word')"
 must_accept docs/notebook/page.md "$(repeated 8301 'word')"
 must_catch tests/trace/trace_test.cpp '    EXPECT_NEAR(a, b, 1e-6);'
 must_catch tests/trace/trace_test.cpp 'constexpr float epsilon = 1e-6f;'

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Stage conservative_map, and the coarse test by it. A texel's height promises that ONE triangle covers the whole texel
 // and lies above that height everywhere in it. Both promises are checked against the real triangles, and every point
-// decided by the map is checked against the exact predicate. For both cover tests.
+// decided by the map is checked against the exact predicate. For all cover tests.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -18,18 +18,26 @@ using gnomon::CoverTest;
 /// One texel's height compared with one triangle.
 struct TexelTruth {
     bool covered;        ///< the closed triangle covers the closed texel
-    long double lowest;  ///< the triangle's lowest height over it
+    long double lowest;  ///< the triangle's lowest height over it, or the lower one of CoverTest::slope
 };
 
-TexelTruth truth_of(const reference::GridTriangle& t, float orientation, std::uint32_t x, std::uint32_t y) {
+TexelTruth truth_of(const reference::GridTriangle& t, float orientation, CoverTest test, std::uint32_t x,
+                    std::uint32_t y) {
     TexelTruth truth{true, INFINITY};
     for (int corner = 0; corner < 4; ++corner) {
         const long double cx = x + (corner & 1), cy = y + (corner >> 1);
         for (int i = 0; i < 3; ++i) truth.covered = truth.covered && orientation * t.edge(i, cx, cy) >= 0;
         if (truth.covered) truth.lowest = std::min(truth.lowest, t.height(cx, cy));
     }
+    if (truth.covered && test == CoverTest::slope) {
+        const long double across = t.height(x + 1.0L, y) - t.height(x, y),
+                          down = t.height(x, y + 1.0L) - t.height(x, y);
+        truth.lowest = t.height(x + 0.5L, y + 0.5L) - std::max(std::fabs(across), std::fabs(down));
+    }
     return truth;
 }
+
+std::string_view name_of(CoverTest test) { return gnomon::cover_test_names[static_cast<std::size_t>(test)]; }
 
 struct Tally {
     std::uint64_t drawn = 0, coverable = 0, decided = 0, shadowed = 0;
@@ -56,14 +64,14 @@ std::vector<RealTriangle> real_triangles(const FrameOutput& out, const LightScen
     return triangles;
 }
 
-void check_texels(const FrameOutput& out, const LightScene& scene, Tally& tally) {
+void check_texels(const FrameOutput& out, const LightScene& scene, CoverTest test, Tally& tally) {
     const std::vector<RealTriangle> triangles = real_triangles(out, scene);
     for (std::uint32_t y = 0; y < out.frame.height; ++y)
         for (std::uint32_t x = 0; x < out.frame.width; ++x) {
             const std::uint32_t key = out.map[y * out.frame.width + x];
             bool is_true = false, is_coverable = false;
             for (const RealTriangle& t : triangles) {
-                const TexelTruth truth = truth_of(t.shape, t.orientation, x, y);
+                const TexelTruth truth = truth_of(t.shape, t.orientation, test, x, y);
                 is_coverable = is_coverable || truth.covered;
                 is_true = is_true || (truth.covered && key != 0 && truth.lowest >= float_of_key(key));
             }
@@ -99,9 +107,9 @@ StageSettings settings_of(CoverTest test, gnomon::FrameGrid grid = {64, 3}) {
 }
 
 void check(const gnomon::Device& device, const LightScene& scene, const StageSettings& settings, Tally& tally) {
-    SCOPED_TRACE(scene.name + (settings.cover_test == CoverTest::tight ? ", tight" : ", circle"));
+    SCOPED_TRACE(scene.name + ", " + std::string(name_of(settings.cover_test)));
     for (const FrameOutput& out : run_light_stages(device, scene, settings)) {
-        if (out.projection.indistinct == 0) check_texels(out, scene, tally);
+        if (out.projection.indistinct == 0) check_texels(out, scene, settings.cover_test, tally);
         check_points(out, scene, tally);
     }
 }
@@ -133,11 +141,11 @@ std::vector<LightScene> covering_scenes() {
 // that a triangle covers.
 TEST(ConservativeMap, EqualsReference) {
     const gnomon::Device device = device_with();
-    for (const CoverTest test : {CoverTest::tight, CoverTest::circle}) {
+    for (const CoverTest test : {CoverTest::tight, CoverTest::circle, CoverTest::slope}) {
         Tally tally;
         for (const LightScene& scene : covering_scenes()) check(device, scene, settings_of(test), tally);
-        std::cout << (test == CoverTest::tight ? "tight" : "circle") << ": " << tally.drawn << " texels drawn of "
-                  << tally.coverable << " covered in empty and listed bins, " << tally.decided << " points decided\n";
+        std::cout << name_of(test) << ": " << tally.drawn << " texels drawn of " << tally.coverable
+                  << " covered in empty and listed bins, " << tally.decided << " points decided\n";
         EXPECT_GT(tally.drawn, 10000u);
         EXPECT_GT(tally.decided, 1000u);
     }

@@ -72,8 +72,8 @@ const SettingsTable<Settings>& settings_table() {
           "scaled by the caster's slope, adaptive (the receiver's plane at each texel) or dual (between two layers)"},
          setting::choice(&S::bias, bias_names)},
         {{"constant-bias", "0.0001",
-          "subtracted from the receiver's depth, 0 to 1; 1 is the map's depth range: the receivers' (pcss: to the "
-          "casters)"},
+          "subtracted from the receiver's depth, 0 to 1; 1 is the receivers' depth range (pcss: to the casters), with "
+          "bias=adaptive the scene's diagonal"},
          setting::number(&S::receiver_bias, 0, 1)},
         {{"slope-bias", "1.5", "of bias scaled: times the caster's depth per texel, 0 to 100"},
          setting::number(&S::slope_bias, 0, 100)},
@@ -128,7 +128,8 @@ public:
         require_consistent();
         MeasuredRun measured(session_, kept_bytes_);
         FitInputs inputs{triangle_inputs(triangles), point_inputs(points), visibility.buffer(), light, points.camera()};
-        inputs.keeps_casters = settings_.lookup >= LOOKUP_PCSS;  // the lookup measures the distance to casters
+        // These measure the distance to casters.
+        inputs.keeps_casters = settings_.lookup >= LOOKUP_PCSS || settings_.bias == Settings::Bias::adaptive;
         map_views_.set = {};
         const FrameCounters facing =
             run_facing(session_, measured.stages, inputs.triangles, inputs.points, light, inputs.visibility, counters_);

@@ -49,8 +49,9 @@ GN_STRUCT_BEGIN(MapView)
     uint centres_first;  // index in tables
     uint width, height;  // texels
     uint first_texel, row_stride;
-    uint face;  // NO_FACE: the view serves every point in its map
-    uint padding[2];
+    uint face;          // NO_FACE: the view serves every point in its map
+    float scene_depth;  // the length of the scene's diagonal, in depths
+    uint padding;
 GN_STRUCT_END(MapView, 144)
 
 // All views together, as far as the host knows them.

@@ -189,11 +189,11 @@ static Rectangle with_rim(Rectangle r, const PlannedView* view, uint size) {
     return wide;
 }
 
-// A square of half width `half_width` and one texel of room, with its centre on the grid of its own texels. The grid
-// has its anchor at the origin: a moved or turned camera moves the square by whole texels alone.
-static Rectangle snapped_square(float2 center, float half_width, uint size) {
-    float wide = half_width * (float)size / (float)(size - 2);
-    float texel = 2.0f * wide / (float)size;
+// A rectangle of half width `half_width` and one texel of room, with its centre on the grid of its own texels. The grid
+// has its anchor at the origin: a moved or turned camera moves the rectangle by whole texels alone.
+static Rectangle snapped_rectangle(float2 center, float2 half_width, uint size) {
+    float2 wide = half_width * (float)size / (float)(size - 2);
+    float2 texel = 2.0f * wide / (float)size;
     float2 snapped = floor(center / texel) * texel;
     return (Rectangle){snapped - wide, snapped + wide};
 }
@@ -208,18 +208,18 @@ static Rectangle bounds_of_sphere(const ViewPlan* plan, const PlannedView* view)
     float z = fmin(0.5f * (n + f) * (1.0f + k2), f);
     float radius = sqrt((f - z) * (f - z) + k2 * f * f);
     float4 center = (float4)(plan->eye.xyz + plan->forward.xyz * z, 1.0f);
-    return snapped_square((float2)(dot4(view->row_u, center), dot4(view->row_v, center)), radius, plan->map_size);
+    return snapped_rectangle((float2)(dot4(view->row_u, center), dot4(view->row_v, center)), (float2)(radius),
+                             plan->map_size);
 }
 
-// The slice's bounds, their size rounded up to 64ths of the scene's, and their offset to texels.
+// The slice's bounds, along each axis their size rounded up to 64ths of the scene's, and their offset to texels.
 static Rectangle quantised_bounds(const ViewPlan* plan, const PlannedView* view, SceneBox scene) {
     float2 depths = widened_slice(plan, view);
     float4 corners[8];
     slice_corners(plan, depths.x, depths.y, corners);
     Rectangle slice = bounds_of_vertices(view, corners, 8), box = bounds_of_box(view, scene);
-    float2 box_size = box.high - box.low, slice_size = slice.high - slice.low;
-    float level = 0.5f * fmax(box_size.x, box_size.y) / 64.0f, half_width = 0.5f * fmax(slice_size.x, slice_size.y);
-    return snapped_square(0.5f * (slice.low + slice.high), ceil(half_width / level) * level, plan->map_size);
+    float2 level = 0.5f * (box.high - box.low) / 64.0f, half_width = 0.5f * (slice.high - slice.low);
+    return snapped_rectangle(0.5f * (slice.low + slice.high), ceil(half_width / level) * level, plan->map_size);
 }
 
 static Rectangle fitted_rectangle(const ViewPlan* plan, const PlannedView* view, SceneBox scene, const Polyhedron* body,
@@ -283,7 +283,8 @@ static void measure_errors(const ViewPlan* plan, const MapView* map, const float
     }
 }
 
-static MapView map_view_of(const ViewPlan* plan, const PlannedView* view, uint i, Rectangle r, float2 depths) {
+static MapView map_view_of(const ViewPlan* plan, const PlannedView* view, SceneBox scene, uint i, Rectangle r,
+                           float2 depths) {
     MapView map;
     float4 row_w = view->row_w, one = (float4)(0.0f, 0.0f, 0.0f, 1.0f);
     map.row_u = unit_row(view->row_u, row_w, r.low.x, r.high.x);
@@ -299,7 +300,8 @@ static MapView map_view_of(const ViewPlan* plan, const PlannedView* view, uint i
     map.warp = map.log_strength > 1.0e-3f ? WARP_LOGARITHMIC : WARP_NONE;
     map.blend_from = map.select_far;
     map.face = view->face;
-    map.warp_size = map.forward_first = map.padding[0] = map.padding[1] = 0;
+    map.scene_depth = scene.diagonal * sqrt(dot3(map.row_depth.xyz, map.row_depth.xyz));
+    map.warp_size = map.forward_first = map.padding = 0;
     map.centres_first = i * 2 * MAX_SIDES * plan->map_size;
     map.width = map.height = plan->map_size;
     map.row_stride = plan->map_size;
@@ -346,10 +348,11 @@ __kernel void map_projection_fit(ViewPlan world_plan, __global const KeyBounds* 
         bool is_off = view.is_off || is_empty(&points);
         MapView map;
         if (is_off) {
-            map = map_view_of(&plan, &view, i, (Rectangle){(float2)(0.0f), (float2)(1.0f)}, (float2)(0.0f, 1.0f));
+            map =
+                map_view_of(&plan, &view, scene, i, (Rectangle){(float2)(0.0f), (float2)(1.0f)}, (float2)(0.0f, 1.0f));
             map.width = map.height = 0;
         } else {
-            map = map_view_of(&plan, &view, i, fitted_rectangle(&plan, &view, scene, &body, points),
+            map = map_view_of(&plan, &view, scene, i, fitted_rectangle(&plan, &view, scene, &body, points),
                               fitted_depths(&plan, &view, scene, points));
             if (plan.blends && i + 1 < plan.view_count)
                 map.blend_from = fmax(planned[FIRST_VIEW + i + 1].cover_near, view.near_depth);

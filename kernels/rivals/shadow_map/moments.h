@@ -42,7 +42,7 @@ GN_STRUCT_BEGIN(StorePlan)
     uint terms;               // convolution: 1 to 16
     float exponent;           // c
     float negative_exponent;  // c_negative
-    float receiver_bias;      // depth; subtracted from the receiver's depth
+    float receiver_bias;      // subtracted from the receiver's depth: depth; adaptive: share of the scene's diagonal
     float bleeding;           // visibility below this becomes 0, the rest is stretched to [0, 1]
     float moment_bias;        // moments: share of a constant vector mixed in; others: least deviation, depth
     uint half_bits;      // moments alone: 16 bits per number (64-bit texels) after the optimised transform; else 32

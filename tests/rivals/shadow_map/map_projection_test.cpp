@@ -113,6 +113,12 @@ TEST(Projection, HoldsEveryPointAndWhatCastsOnIt) {
 
 const gnomon::Light noon = gnomon::Light::directional({0, -1, 0});
 
+/// The point at this depth and these shares of the picture's half widths.
+Double3 from_camera(const Scene& scene, double x, double y, double z) {
+    return loaded(scene.camera.eye) + loaded(scene.camera.right) * (x * z * scene.tangent_right()) +
+           loaded(scene.camera.up) * (y * z * scene.tangent_up()) + loaded(scene.camera.forward) * z;
+}
+
 /// Ends of the slices, from select_near and select_far.
 std::vector<double> splits(const Fitted& fitted) {
     std::vector<double> ends;
@@ -182,9 +188,15 @@ TEST(Partition, StorageMovesTexelsAndNothingElse) {
 }
 
 // Moved and turned by less than its texels, a stabilised view stays the same to the bit or moves by whole texels: so
-// every texel covers what it covered. Swimming is counted in texels of displacement; the plain fit shows it is there.
-double largest_swimming(const Settings& settings) {
+// every texel covers what it covered. Swimming is counted in texels of displacement, along an axis whose texels keep
+// their size; the plain fit shows that it is there.
+struct Swimming {
     double largest = 0;
+    int kept = 0, resized = 0;  ///< axes of views, from one step to the next
+};
+
+Swimming swimming_of(const Settings& settings) {
+    Swimming found;
     std::vector<MapView> before;
     for (int step = 0; step < 12; ++step) {
         const float t = 0.013f * static_cast<float>(step);
@@ -192,29 +204,83 @@ double largest_swimming(const Settings& settings) {
         const auto views = fit(scene, gnomon::Light::directional({0.3f, -1, 0.2f}), settings).views;
         for (std::size_t i = 0; i < before.size(); ++i) {
             if (views[i].width == 0 || before[i].width == 0) continue;
-            for (const Double3 p : {Double3{0, 0, 0}, Double3{3, 0, 5}, Double3{-4, 2, -7}}) {
-                const SceneBox now = place(views[i], p), then = place(before[i], p);
-                for (const double moved : {(now.u - then.u) * 256, (now.v - then.v) * 256})
-                    largest = std::max(largest, std::fabs(moved - std::round(moved)));
+            for (int axis = 0; axis < 2; ++axis) {
+                const auto row = [&](const MapView& view) { return axis == 0 ? &view.row_u[0] : &view.row_v[0]; };
+                const double now_size = length(loaded(row(views[i]))), then_size = length(loaded(row(before[i])));
+                const bool is_kept = std::fabs(now_size / then_size - 1) < 1e-5;
+                ++(is_kept ? found.kept : found.resized);
+                for (const Double3 p : {Double3{0, 0, 0}, Double3{3, 0, 5}, Double3{-4, 2, -7}}) {
+                    const SceneBox now = place(views[i], p), then = place(before[i], p);
+                    const double moved = (axis == 0 ? now.u - then.u : now.v - then.v) * 256;
+                    if (is_kept) found.largest = std::max(found.largest, std::fabs(moved - std::round(moved)));
+                }
             }
         }
         before = views;
     }
-    return largest;
+    return found;
 }
 
+// Quantised views change their size where the slice's width along an axis passes a 64th of the scene's.
 TEST(Partition, StabilisedViewsMoveByWholeTexels) {
     const Settings cascades{{"cascades", "3"}, {"near", "1"}, {"far", "120"}, {"depth-range", "planes"}};
     const auto with = [&](const char* form) {
         Settings settings = cascades;
         settings.emplace_back("fit", form);
-        return largest_swimming(settings);
+        return swimming_of(settings);
     };
     // Rows are floats and a point lies up to a few hundred texels from the origin of the grid: 2^-24 of that, a few
     // times over, is what "whole" means.
-    EXPECT_LT(with("sphere"), 2e-4);
-    EXPECT_LT(with("quantised"), 2e-4);
-    EXPECT_GT(with("frustum"), 0.1) << "the test would not see swimming";
+    const Swimming sphere = with("sphere"), quantised = with("quantised"), plain = with("frustum");
+    EXPECT_LT(sphere.largest, 2e-4);
+    EXPECT_EQ(sphere.resized, 0);
+    EXPECT_LT(quantised.largest, 2e-4);
+    EXPECT_LT(quantised.resized, quantised.kept / 20);
+    EXPECT_GT(plain.resized, plain.kept) << "the test would not see swimming";
+    EXPECT_GT(quantised.kept, 60);
+}
+
+/// The width of what lies at these points along a direction.
+double width_along(const Double3& direction, const std::vector<Double3>& points) {
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (const Double3& p : points) low = std::min(low, dot(direction, p)), high = std::max(high, dot(direction, p));
+    return high - low;
+}
+
+/// The corners of the box around these points.
+std::vector<Double3> corners_of_box(const Floats& vertices) {
+    std::vector<Double3> corners(8);
+    for (int axis = 0; axis < 3; ++axis) {
+        double low = vertices[std::size_t(axis)], high = low;
+        for (std::size_t i = std::size_t(axis); i < vertices.size(); i += 3)
+            low = std::min<double>(low, vertices[i]), high = std::max<double>(high, vertices[i]);
+        for (int i = 0; i < 8; ++i) corners[std::size_t(i)][axis] = (i >> axis & 1) != 0 ? high : low;
+    }
+    return corners;
+}
+
+// Zhang et al. 2009: along each axis by itself, a view is as many 64ths of the scene as its slice needs, not as many as
+// the longer axis needs.
+TEST(Partition, QuantisedViewsAreWhole64thsOfTheSceneAlongEachAxis) {
+    // Without a camera's roll the slice is wide and short for a light from ahead.
+    Scene scene(gnomon::Camera::look_at({0, 3, 30}, {2, 2, 0}, {0, 1, 0}, 30));
+    const Settings settings{{"fit", "quantised"}, {"near", "1"}, {"far", "40"}, {"depth-range", "planes"}};
+    std::vector<Double3> slice;
+    for (int i = 0; i < 8; ++i) slice.push_back(from_camera(scene, i % 2 * 2 - 1, i / 2 % 2 * 2 - 1, i < 4 ? 1 : 40));
+    const MapView view = fit(scene, gnomon::Light::directional({0.2f, -0.2f, -1}), settings).views.at(0);
+    double levels[2];
+    for (int axis = 0; axis < 2; ++axis) {
+        const Double3 row = loaded(axis == 0 ? &view.row_u[0] : &view.row_v[0]);
+        // All but the texel of room on either side. The scene's box has a margin of 1e-4 of its diagonal.
+        const double width = (1 / length(row)) * 254 / 256,
+                     scene_width = width_along(row / length(row), corners_of_box(scene.vertices));
+        const double needed = width_along(row / length(row), slice) / scene_width * 64;
+        levels[axis] = width / scene_width * 64;
+        EXPECT_GT(levels[axis], needed * 0.999);
+        EXPECT_LT(levels[axis], needed * 1.001 + 1);
+        EXPECT_NEAR(levels[axis], std::round(levels[axis]), 0.004 * levels[axis]);
+    }
+    EXPECT_GT(std::fabs(levels[0] - levels[1]), 2) << "the test would not see one square for both axes";
 }
 
 // The masks themselves: the same points, seen by a camera that creeps by fractions of a texel.
@@ -274,11 +340,6 @@ Double3 post_perspective(const Scene& scene, const Double3& p, double n, double 
     const double z = dot(q, loaded(scene.camera.forward));
     return {dot(q, loaded(scene.camera.right)) / (z * scene.tangent_right()),
             dot(q, loaded(scene.camera.up)) / (z * scene.tangent_up()), (f + n) / (f - n) - 2 * f * n / ((f - n) * z)};
-}
-
-Double3 from_camera(const Scene& scene, double x, double y, double z) {
-    return loaded(scene.camera.eye) + loaded(scene.camera.right) * (x * z * scene.tangent_right()) +
-           loaded(scene.camera.up) * (y * z * scene.tangent_up()) + loaded(scene.camera.forward) * z;
 }
 
 /// The world point at a post-perspective place.

@@ -71,6 +71,31 @@ TEST(ShadowMap, FlatFloorUnderGrazingLight) {
     EXPECT_LT(lit({{"slope-bias", "0"}, {"constant-bias", "0"}}), 0.9);
 }
 
+// The epsilon of adaptive bias is K times the scene's diagonal (Dou et al. 2014): a slab nearer to the floor than this
+// casts no shadow, one farther away casts all of it, whatever depths the receivers have.
+TEST(ShadowMap, AdaptiveBiasHasAnEpsilonOfTheScenesDiagonal) {
+    const gnomon::Device device;
+    const double k = 0.01, flat_diagonal = std::sqrt(80.0 * 80 + 120 * 120);
+    const auto lit_below = [&](double height, const Light& light) {
+        LightScene scene{"floor and slab"};
+        add(scene.triangles, {-40, 0, -40}, {40, 0, -40}, {0, 0, 80});
+        const float y = static_cast<float>(height);
+        add(scene.triangles, {-4, y, -4}, {4, y, -4}, {0, y, 8});
+        Random random(12);
+        for (int i = 0; i < 500; ++i) add(scene.points, {random.between(-1, 1), 0, random.between(-1, 1)});
+        scene.receivers.assign(scene.points.size() / 3, 0);
+        double sum = 0;
+        for (const float value : visibility_of(device, scene, light, "adaptive-bias", {{"constant-bias", "0.01"}}))
+            sum += value;
+        return sum / double(scene.receivers.size());
+    };
+    // Depth is measured along the light: straight down, and along the axis of the cube's face.
+    for (const Light& light : {Light::directional({0, -1, 0}), Light::point({0, 30, 0})}) {
+        EXPECT_EQ(lit_below(0.95 * k * flat_diagonal, light), 1);
+        EXPECT_EQ(lit_below(1.05 * k * flat_diagonal, light), 0);
+    }
+}
+
 TEST(ShadowMap, AdaptiveBiasNeedsLessThanSlopeScaledBias) {
     const gnomon::Device device;
     const LightScene scene = floor_and_slabs(12);
