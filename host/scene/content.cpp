@@ -94,6 +94,7 @@ constexpr double most_levels = 1e5;
 constexpr double level_share = 0.01;  ///< of the bounds' side: how far a triangle of a plane leaves it
 constexpr double wide_share = 0.5;    ///< of all: a plane is at least as wide
 constexpr double room_share = 0.8;    ///< of a shell's side: what is shorter leaves an eye room
+constexpr double case_share = 0.5;    ///< the same, if its fronts are outside: what fills it more lies in a case
 constexpr double narrow = 0.25, narrow_on_ground = 0.5;  ///< of all: what is beside planes is narrower
 constexpr double edge_share = 0.05;   ///< of the widest plane's area: what has less is the edge of a plate
 constexpr double plate_share = 0.05;  ///< of all: levels with a smaller distance are one plate
@@ -252,7 +253,9 @@ bool Content::leave_out_shell(const Scene& scene) {
 }
 
 bool Content::has_room_in_shell() const {
-    return shells_.empty() || any(lessThanEqual(bounds_.sides(), room_share * shells_.front().bounds().sides()));
+    if (shells_.empty()) return true;
+    const double share = shells_.front().has_fronts_outside() ? case_share : room_share;
+    return any(lessThanEqual(bounds_.sides(), share * shells_.front().bounds().sides()));
 }
 
 bool Content::is_small_in_shell() const {

@@ -32,7 +32,7 @@ public:
     bool has(const float* triangle) const;
     /// In world axes; empty if no triangle is finite.
     const Bounds& bounds() const { return bounds_; }
-    /// An eye can stand between the content and the outermost shell; true without a shell.
+    /// An eye can stand between the content and the outermost shell, which is no case; true without a shell.
     bool has_room_in_shell() const;
     /// The content is less than a quarter as large as the innermost shell.
     bool is_small_in_shell() const;

@@ -95,6 +95,7 @@ bool Shell::find(const Scene& scene, const Content& content, double least_height
         if (!has(t)) return false;
         if (std::optional<Plane> plane = plane_of(t)) {
             const double side = dot(plane->normal, middle_) < plane->level ? -1 : 1;
+            fronts_outside_ += side < 0;
             planes_.push_back({side * plane->normal, side * plane->level});
         }
     }

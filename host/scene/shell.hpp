@@ -21,6 +21,7 @@ public:
     /// The part of the way from a point inside to this one at which the shell is met; infinite if it is not met.
     double exit(const glm::dvec3& inside, const glm::dvec3& to) const;
     const Bounds& bounds() const { return bounds_; }
+    bool has_fronts_outside() const { return 2 * fronts_outside_ > planes_.size(); }  ///< most of them
 
 private:
     /// dot(normal, p) >= level inside.
@@ -34,6 +35,7 @@ private:
 
     std::vector<glm::dvec3> points_;  ///< what lines along the axes meet first
     std::vector<Plane> planes_;       ///< there
+    std::size_t fronts_outside_ = 0;  ///< planes whose triangles turn their fronts away from the middle
     glm::dvec3 middle_{0};            ///< of the points
     Bounds core_;                     ///< within the shell
     double slack_ = 0;

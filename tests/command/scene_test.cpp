@@ -1383,7 +1383,7 @@ TEST(DefaultCamera, StandsInANarrowSky) {
     const std::vector<float> house = cuboid({-7, -9, -7}, {7, 6, 7});
     for (const auto& [content, sky] : {std::pair{hills, times(75, sphere(24, 12))},
                                        {house, times(20, sphere(24, 12))},
-                                       {house, cuboid({-10, -10, -10}, {10, 10, 10})}}) {
+                                       {house, inside_out(cuboid({-10, -10, -10}, {10, 10, 10}))}}) {
         Scene scene;
         scene.triangles = together(sky, content);
         const gnomon::Camera camera = gnomon::scene::framing_camera(scene);
@@ -1401,6 +1401,7 @@ TEST(DefaultCamera, StandsOutsideOfBodies) {
              {"a ball", ball},
              {"a box", cube},
              {"a globe in clouds", together(ball, times(1.1, ball))},
+             {"a case with a box in it", together(cube, times(0.7, cube))},
              {"a box with a bench before it", together(together(cube, bench), small)},
              {"a statue, and triangles in it", together(together(cube, turned(times(0.9, cube), 45, 45)), small)},
          }) {
