@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: MIT
 # Makes of the commit that is checked out what others install, and walks it as a stranger does, in clean roots that hold
 # the artefacts alone: Debian packages, a source distribution, a wheel for each PYTHON (from 3.12 on one for all later
-# ones), the recipes of vcpkg and conda-forge, the site. All lies in build-release afterwards; docs/measurements/release has
-# the tables. Needs root (debootstrap, chroot), Debian and PyPI. The addresses of tools/packaging/addresses lead nowhere until
+# ones), QGIS's plugin, the recipes of vcpkg and conda-forge, the site. All lies in build-release afterwards, and the tables
+# in docs/measurements/release. Needs root (debootstrap, chroot), Debian and PyPI. The addresses of tools/packaging/addresses lead nowhere until
 # there is a public repository: URL and ADDRESS come in their place.
 # usage: release.sh [--home URL] [--mail ADDRESS] [PYTHON...]
 set -euo pipefail
@@ -71,6 +71,12 @@ for interpreter in "${pythons[@]}"; do
         "$out/sdist/wheel_$tag"/*.whl
 done
 
+step "QGIS's plugin"
+rm -rf "$out/qgis"
+mkdir "$out/qgis"
+tools/qgis/pack.sh "$out/qgis/gnomon-qgis.zip"
+cp tools/qgis/check_in_qgis.{sh,py} "$out/python/gnomon-$version-$(tag_of "${pythons[0]}")"-*.whl "$out/qgis"
+
 step "Recipes: filled in, checked, and vcpkg's followed by hand"
 "$packaging/recipes.sh" "$out/recipes" "$out/python/gnomon-$version.tar.gz" "$out/source/gnomon-$version"
 
@@ -85,6 +91,7 @@ done
 "$packaging/clean_root.sh" bullseye "$out/python" "$packaging/walks/older_glibc.sh"
 "$packaging/clean_root.sh" bookworm "$out/python" "$packaging/walks/sdist.sh"
 "$packaging/clean_root.sh" bookworm "$out/recipes" "$packaging/walks/library.sh"
+"$packaging/clean_root.sh" bookworm "$out/qgis" "$packaging/walks/qgis.sh"
 
 step "Site"
 wheels=("$out/sdist/wheel_$(tag_of "${pythons[0]}")"/*.whl)

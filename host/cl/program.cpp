@@ -291,7 +291,7 @@ static std::string remedy_for(const std::string& log) {
     if (log.find("error") == std::string::npos)
         return "the compiler gives no reason; a full disk is one: POCL_CACHE_DIR, else ~/.cache, and TMPDIR";
     if (log.find("unknown target CPU") == std::string::npos) return "";
-    return "this driver's compiler is older than the CPU: use a newer driver or another one (docs/drivers.md)";
+    return "the compiler is older than the CPU: use a newer driver (Debian: pocl-opencl-icd; docs/drivers.md)";
 }
 
 cl_program Session::build(const std::string& file, const std::string& source) {

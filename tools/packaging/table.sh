@@ -10,7 +10,7 @@ quoted() { sed 's/"/""/g; s/.*/"&"/'; }
 
 {
     echo "commit,artefact,bytes,import"
-    for file in "$build"/debian/*.deb "$build"/python/gnomon-*; do
+    for file in "$build"/debian/*.deb "$build"/python/gnomon-* "$build"/qgis/*.zip; do
         import=
         case $file in
             *-abi3-*) import=$(sed -n 's/^import .*: //p' "$build/python/results/wheel_trixie.txt") ;;
@@ -23,7 +23,7 @@ quoted() { sed 's/"/""/g; s/.*/"&"/'; }
     echo "commit,clean root,what was run"
     for results in debian/results/debian:'Debian 12' python/results/wheel_bookworm:'Debian 12' \
         python/results/wheel_trixie:'Debian 13' python/results/older_glibc:'Debian 11' \
-        python/results/sdist:'Debian 12' recipes/results/library:'Debian 12'; do
+        python/results/sdist:'Debian 12' recipes/results/library:'Debian 12' qgis/results/qgis:'Debian 12'; do
         file=$build/${results%:*}.txt
         [ -e "$file" ] || continue
         quoted <"$file" | sed "s/^/$commit,${results#*:},/"

@@ -23,3 +23,17 @@ fails() {
         { line = $0; sub(/^ +/, "", line); printf "%s%s", found ? " " : "", line; found = 1 }
         !/^  / { exit }' <<<"$all")
 }
+
+# first: what a stranger does first with the Python package. emulate_older_cpu: the compiler of PyPI's PoCL knows no CPU that
+# is newer than Zen 4; where gnomon says so, first runs on an older one that QEMU emulates.
+emulation=()
+first() { as_stranger "${emulation[@]}" /venv/bin/python /artefacts/first.py; }
+emulate_older_cpu() {
+    ! first >first.txt 2>&1 || return 0
+    grep -q "compiler is older than the CPU" first.txt || return 0
+    fails 1 "compiler is older than the CPU" first
+    did "with [pocl] on a CPU newer than PyPI's PoCL:${said#*(-11):}"
+    apt install qemu-user-static
+    emulation=(qemu-x86_64-static -cpu Haswell)
+    did "from here on with [pocl] on an older CPU (${emulation[*]})"
+}
