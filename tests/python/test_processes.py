@@ -198,7 +198,7 @@ def test_a_script_without_main_guard_is_one_sentence(guard, tmp_path):
     if guard:
         assert "[(1, 1), (2, 2)]" in done.stdout and done.returncode == 0, done.stderr
     else:
-        assert done.stdout == "line 3\n" and 'line 4: the worker processes' in done.stderr.splitlines()[-1]
+        assert done.stdout == "line 3\n" and "line 4: the worker processes" in done.stderr.splitlines()[-1]
         assert '__name__ == "__main__"' in done.stderr.splitlines()[-1]
 
 
@@ -274,7 +274,9 @@ def test_small_objects_travel(way):
     assert result.lit().tolist() == [[lit] for lit in RIGHT]
     masked = through(scene.lit(np.array([[0, 0, np.nan]]), direction=DOWN, nan="absent"))
     assert masked.mask.all()
-    at_vertices = through(scene.lit(np.unique(ROOF.reshape(-1, 3), axis=0), direction=DOWN, side=gnomon.Side.vertices()))
+    at_vertices = through(
+        scene.lit(np.unique(ROOF.reshape(-1, 3), axis=0), direction=DOWN, side=gnomon.Side.vertices())
+    )
     assert at_vertices.values.shape == (4,)
 
 

@@ -142,6 +142,13 @@ def test_undeclared_is_one_sentence_and_its_remedy_helps(carrier, tmp_path):
     assert is_absent(hours(tmp_path, raster, restart=True))
 
 
+def test_a_raster_without_any_data_is_said(tmp_path):
+    raster = write(tmp_path / "dsm.tif", 10, "float32", nodata=10)  # the ground's height
+    with pytest.warns(UserWarning, match="no place of the study has data"):
+        heights = hours(tmp_path, raster)
+    assert not heights.lit.values.any()
+
+
 def test_by_workers_it_is_the_same_sentence(tmp_path):
     raster = write(tmp_path / "dsm.tif", -32768, "int16")
     with pytest.raises(ValueError, match="row 5, column 7 is -32768, which is no height"):

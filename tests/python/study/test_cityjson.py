@@ -161,6 +161,7 @@ def test_a_sequence_of_features_is_the_same(city):
 @pytest.mark.parametrize(
     ("change", "text"),
     [(lambda f: f.update(type="FeatureCollection"), 'its "type" is not "CityJSON"'),
+     (lambda f: f.update(version="3.0"), """its "version" is '3.0', and those from 1.0 to 2.0 are read"""),
      (lambda f: f.update(vertices=f["vertices"][:20]), "names no vertex of 20"),
      (lambda f: f.pop("CityObjects"), "CityObjects")],
 )  # fmt: skip

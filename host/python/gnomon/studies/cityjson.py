@@ -50,6 +50,8 @@ def load(name: str) -> City:
     first, *features = [json.loads(line) for line in lines if line.strip()]
     if not isinstance(first, dict) or first.get("type") != "CityJSON":
         raise ValueError('its "type" is not "CityJSON"')
+    if str(first.get("version", "2.0")).split(".")[0] not in ("1", "2"):
+        raise ValueError(f'its "version" is {first["version"]!r}, and those from 1.0 to 2.0 are read')
     polygons: list[tuple[str, Rings]] = []
     left_out: collections.Counter[str] = collections.Counter()
     templates = first.get("geometry-templates", {})

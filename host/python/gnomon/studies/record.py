@@ -64,8 +64,10 @@ def record_of(plan: TiledPlan) -> dict[str, Any]:
     }
 
 
-def write_record(plan: TiledPlan) -> None:
-    write_whole(plan.folder / "record.json", json.dumps(record_of(plan), indent=1))
+def write_record(plan: TiledPlan) -> dict[str, Any]:
+    record = record_of(plan)
+    write_whole(plan.folder / "record.json", json.dumps(record, indent=1))
+    return record
 
 
 def digests(plan: TiledPlan) -> dict[str, str]:

@@ -9,6 +9,7 @@ import errno
 import itertools
 import os
 import sys
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
@@ -272,7 +273,10 @@ def run_plan(plan: TiledPlan, execution: Execution, executor: LocalExecutor | Da
         _run_sums(plan, tiles, executor)
     finally:
         release_plans()
-    write_record(plan)
+    record = write_record(plan)
+    if record["tasks_done"] == record["tasks"] > 0 and record["decisions"] == 0 and not record.get("unread_casters"):
+        text = "no place of the study has data, so it has no answers"
+        warnings.warn(f"{text}: see what the rasters hold (gdalinfo -stats)", stacklevel=2)
 
 
 def missing_tasks(plan: TiledPlan, tiles: Iterable[int], check: bool) -> list[tuple[int, int]]:
