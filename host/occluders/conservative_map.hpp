@@ -12,6 +12,9 @@ namespace gnomon {
 // In the order of the constants' values in conservative_map.h.
 enum class CoverTest : cl_uint { tight, circle, slope };
 inline constexpr std::string_view cover_test_names[] = {"tight", "circle", "slope"};
+inline constexpr const char* cover_test_help =
+    "tight (Mizokuchi and Tokuyoshi), circle (Hertel et al. 2009) or slope (tight, with the slope-scaled depth of "
+    "graphics hardware): when a texel counts as covered, and from which depth on";
 
 class ConservativeMap {
 public:

@@ -13,11 +13,7 @@ const SettingsTable<FramedSettings>& all_settings() {
          setting::on_off(&S::draws_map)},
         {{"neighbours", "on", "on or off: test the triangles of the 8 texels around the point's as well"},
          setting::on_off(&S::neighbours)},
-        {{"cover-test", "tight",
-          "tight (Mizokuchi and Tokuyoshi), circle (Hertel et al. 2009) or slope (tight, with the slope-scaled depth "
-          "of "
-          "graphics hardware): when a texel counts as covered, and from which depth on"},
-         setting::choice(&S::cover_test, cover_test_names)},
+        {{"cover-test", "tight", cover_test_help}, setting::choice(&S::cover_test, cover_test_names)},
         {{"map-size", "1024", "texels per side of the light's grid, 16 to 8192"},
          setting::whole(&S::map_size, smallest_map_size, largest_map_size)},
     };

@@ -29,11 +29,7 @@ const SettingsTable<Settings>& settings_table() {
         {{"conservative-map", "auto",
           "on, off or auto: decide points behind triangles that cover a whole texel at once"},
          setting::choice(&S::map_mode, map_mode_names)},
-        {{"cover-test", "tight",
-          "tight (Mizokuchi and Tokuyoshi), circle (Hertel et al. 2009) or slope (tight, with the slope-scaled depth "
-          "of "
-          "graphics hardware): when a texel counts as covered, and from which depth on"},
-         setting::choice(&S::cover_test, cover_test_names)},
+        {{"cover-test", "tight", cover_test_help}, setting::choice(&S::cover_test, cover_test_names)},
         {{"map-size", "auto", "texels per side of the light's grid, 16 to 8192, or auto"},
          setting::whole_or_auto(&S::map_size, smallest_map_size, largest_map_size)},
         {{"first-capacity", "auto", "entries that growing lists start with, from 1, or auto: for tests"},

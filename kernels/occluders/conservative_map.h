@@ -11,7 +11,7 @@
 
 GN_STRUCT_BEGIN(ConservativeMapParams)
     uint tile_capacity;  // of the map's tiles
-    uint cover_test;     // below
+    uint cover_test;     // COVER_TIGHT, COVER_CIRCLE or COVER_SLOPE
 GN_STRUCT_END(ConservativeMapParams, 8)
 
 #ifndef __cplusplus

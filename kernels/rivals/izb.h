@@ -12,7 +12,6 @@ GN_STRUCT_BEGIN(IzbParams)
     uint padding;
 GN_STRUCT_END(IzbParams, 152)
 
-// The lists as a structure of arrays: slot_count words each of the point's index, GN_NO_ID in an empty slot, also where
-// a point was removed, and of its
-// X, Y, Z in the grid.
+// The lists as a structure of arrays: slot_count words each of the point's index and of its X, Y, Z in the grid. The
+// index of an empty slot, which a removed point leaves, is GN_NO_ID.
 #define IZB_WORDS 4u

@@ -68,7 +68,7 @@ if(NOT GNOMON_SANITIZE AND GNOMON_INSTALL)
     gnomon_check(consumer_${way} TIMEOUT 1800 LABELS consumer exhaustive
              COMMAND "${CMAKE_COMMAND}" -D WAY=${way} -D SOURCE_DIR=${PROJECT_SOURCE_DIR}
                      -D SCRATCH_DIR=${CMAKE_CURRENT_BINARY_DIR}/consumer_${way}
-                     -D CORE_DIR=${PROJECT_BINARY_DIR}-${way} -D WERROR=${GNOMON_WERROR} -D CXX=${CMAKE_CXX_COMPILER}
+                     -D BUILD_DIR=${PROJECT_BINARY_DIR}-${way} -D WERROR=${GNOMON_WERROR} -D CXX=${CMAKE_CXX_COMPILER}
                      -D CC=${CMAKE_C_COMPILER} -D NM=${GNOMON_NM}
                      -D LAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER} -D GENERATOR=${CMAKE_GENERATOR}
                      -D PKG_CONFIG=${GNOMON_PKG_CONFIG} -D RUSTC=${GNOMON_RUSTC}

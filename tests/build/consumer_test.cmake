@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: MIT
 # Builds and runs tests/consumer as a user would, in a folder of its own, and compares what its programs print: through
 # find_package() or as a subproject, and what is installed through pkg-config as well, where PKG_CONFIG is found.
-# cmake -D WAY=installed_static|installed_shared|subproject -D SOURCE_DIR=... -D SCRATCH_DIR=... -P consumer_test.cmake
-# The library is built anew with nothing but its core, so this also shows that the core needs OpenCL alone: in CORE_DIR
-# beside the build's folder and with its options, since a compiler cache then has the files already.
+# cmake -D WAY=installed_static|installed_shared|subproject -D SOURCE_DIR=... -D SCRATCH_DIR=... -D BUILD_DIR=...
+# -P consumer_test.cmake
+# The library is built anew with nothing but its core, so this also shows that the core needs OpenCL alone. All is built
+# in BUILD_DIR beside the build's folder and with its options, since a compiler cache then has the files already.
 set(tool_arguments -G "${GENERATOR}" "-DCMAKE_C_COMPILER=${CC}" "-DCMAKE_CXX_COMPILER=${CXX}"
                    "-DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER}"
                    -DCMAKE_BUILD_TYPE=Release)
@@ -16,27 +17,27 @@ function(run)
   endif()
 endfunction()
 
-file(REMOVE_RECURSE "${SCRATCH_DIR}" "${CORE_DIR}")
+file(REMOVE_RECURSE "${SCRATCH_DIR}" "${BUILD_DIR}")
 file(MAKE_DIRECTORY "${SCRATCH_DIR}")
 set(prefix "${SCRATCH_DIR}/prefix")
 if(WAY STREQUAL "subproject")
   set(where_gnomon_is "-DGNOMON_SOURCE_DIR=${SOURCE_DIR}")
 else()
   string(COMPARE EQUAL "${WAY}" "installed_shared" shared)
-  run("${CMAKE_COMMAND}" ${tool_arguments} -S "${SOURCE_DIR}" -B "${CORE_DIR}" -DBUILD_SHARED_LIBS=${shared}
+  run("${CMAKE_COMMAND}" ${tool_arguments} -S "${SOURCE_DIR}" -B "${BUILD_DIR}" -DBUILD_SHARED_LIBS=${shared}
       -DGNOMON_WERROR=${WERROR} -DGNOMON_COMMAND=OFF -DGNOMON_TESTS=OFF -DGNOMON_TOOLS=OFF)
-  run("${CMAKE_COMMAND}" --build "${CORE_DIR}")
-  run("${CMAKE_COMMAND}" --install "${CORE_DIR}" --prefix "${prefix}")
+  run("${CMAKE_COMMAND}" --build "${BUILD_DIR}")
+  run("${CMAKE_COMMAND}" --install "${BUILD_DIR}" --prefix "${prefix}")
   # What is installed must stand on its own.
-  file(REMOVE_RECURSE "${CORE_DIR}")
+  file(REMOVE_RECURSE "${BUILD_DIR}")
   set(where_gnomon_is "-DCMAKE_PREFIX_PATH=${prefix}")
 endif()
 
-run("${CMAKE_COMMAND}" ${tool_arguments} -S "${SOURCE_DIR}/tests/consumer" -B "${CORE_DIR}" "${where_gnomon_is}"
+run("${CMAKE_COMMAND}" ${tool_arguments} -S "${SOURCE_DIR}/tests/consumer" -B "${BUILD_DIR}" "${where_gnomon_is}"
     -DGNOMON_WERROR=${WERROR})
-run("${CMAKE_COMMAND}" --build "${CORE_DIR}")
+run("${CMAKE_COMMAND}" --build "${BUILD_DIR}")
 set(build "${SCRATCH_DIR}/consumer")
-file(RENAME "${CORE_DIR}" "${build}")
+file(RENAME "${BUILD_DIR}" "${build}")
 
 function(expect program expected)
   execute_process(COMMAND "${program}" RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE errors)

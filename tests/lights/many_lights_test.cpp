@@ -171,6 +171,15 @@ Lights lights_all_around(std::size_t count, std::uint64_t seed) {
     return Lights(lights);
 }
 
+/// A run's side of the surfaces: 1 this eye's, 2 the winding's, else none.
+gnomon::RunOptions options_of_side(LightScene& scene, int side, const Float3& eye) {
+    gnomon::RunOptions options;
+    scene.eye.reset();
+    if (side == 1) scene.eye = eye;
+    if (side == 2) options.facing = gnomon::Facing::winding();
+    return options;
+}
+
 TEST(ManyLights, SidesAreThoseOfOneLight) {
     const gnomon::Device device = device_with();
     FacedScene scene = boxes_on_floor(700, 3);
@@ -178,10 +187,7 @@ TEST(ManyLights, SidesAreThoseOfOneLight) {
     const gnomon::Points normals = gnomon::Points::upload(device, scene.normals);
     for (int side = 0; side < 4; ++side) {
         SCOPED_TRACE("side " + std::to_string(side));
-        gnomon::RunOptions options;
-        scene.eye.reset();
-        if (side == 1) scene.eye = Float3{20.5f, 31, -7};
-        if (side == 2) options.facing = gnomon::Facing::winding();
+        gnomon::RunOptions options = options_of_side(scene, side, {20.5f, 31, -7});
         if (side == 3) options.facing = gnomon::Facing::normals(normals.positions());
         const auto one = run(device, scene, lights, "one-by-one", options);
         const auto beams = run(device, scene, lights, "beams", options);
@@ -363,11 +369,7 @@ template <typename Use>
 void for_each_side(LightScene& scene, const Use& use) {
     for (int side = 0; side < 3; ++side) {
         SCOPED_TRACE("side " + std::to_string(side));
-        gnomon::RunOptions options;
-        scene.eye.reset();
-        if (side == 1) scene.eye = Float3{3, 300, -7};
-        if (side == 2) options.facing = gnomon::Facing::winding();
-        use(options, side == 0 ? "32" : "7");
+        use(options_of_side(scene, side, {3, 300, -7}), side == 0 ? "32" : "7");
     }
 }
 
