@@ -32,6 +32,7 @@ std::string name_of(std::string_view host) {
 }
 
 bool is_numeric(const std::string& name) {
+    if (name.find('\0') != std::string::npos) return false;  // inet_pton would read what stands before it alone
     std::array<unsigned char, sizeof(in6_addr)> bytes{};
     return inet_pton(AF_INET, name.c_str(), bytes.data()) == 1 || inet_pton(AF_INET6, name.c_str(), bytes.data()) == 1;
 }
