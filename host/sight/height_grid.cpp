@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <tuple>
+#include <utility>
 
 #include "cl/opencl.hpp"
 #include "query/inputs.hpp"
@@ -79,8 +80,8 @@ void HeightGrid::set_box(SightGrid& grid, Spans spans) const {
     }
 }
 
-// Opens the targets.
-SightGrid HeightGrid::begin(const Eye& eye, const Band& band, Spans spans, bool sweeps) {
+// The grid of an eye, and its targets' box.
+SightGrid HeightGrid::grid_of(const Eye& eye, const Band& band, Spans spans) {
     const int width = (grid_.columns - 1) * SUBCELLS, depth = (grid_.rows - 1) * SUBCELLS;
     require(eye.x >= 0 && eye.x <= width && eye.y >= 0 && eye.y <= depth, "eye: must lie over the grid");
     require(std::abs(eye.height) < MAX_GRID_HEIGHT && eye.target_height >= 0 && eye.target_height < MAX_GRID_HEIGHT,
@@ -93,17 +94,43 @@ SightGrid HeightGrid::begin(const Eye& eye, const Band& band, Spans spans, bool 
     grid.band_first = band.first_row;
     grid.band_last = band.last_row;
     set_box(grid, spans);
-    cl::Session& session = session_of(device_);
-    session.upload(spans_, spans);
-    answers_.reserve(session, cells_of(band));
-    session.launch(lines_file, "sight_begin", cl::Range::items(cells_of(band) / 16 + 1), grid, cl_uint(sweeps),
-                   cl_uint(has_absent_), targets_, spans_, answers_);
+    session_of(device_).upload(spans_, spans);
     return grid;
+}
+
+// Opens the targets.
+void HeightGrid::open(const SightGrid& grid, const Band& band) {
+    cl::Session& session = session_of(device_);
+    answers_.reserve(session, cells_of(band));
+    hidden_ = 0;
+    session.launch(lines_file, "sight_begin", cl::Range::items(cells_of(band) / 16 + 1), grid, cl_uint(has_absent_),
+                   targets_, spans_, answers_);
+}
+
+// Opens the targets that the sweep leaves open, and decides the others.
+void HeightGrid::sweep(const SightGrid& grid, const Band& band) {
+    cl::Session& session = session_of(device_);
+    if (hidden_ < cells_of(band)) session.reserve_filled(answers_, SIGHT_HIDDEN, (cells_of(band) + 3) / 4 * 4);
+    hidden_ = 0;
+    session.launch(lines_file, "sight_under_eye", cl::Range::items(1), grid, heights_.get(), spans_, answers_);
+    turn();
+    const int wedges_of_group = session.is_cpu() ? int(session.lanes()) - 1 : 1;
+    SweepQuadrants quadrants{};
+    int groups = 0;
+    for (int i = 0; i < 4; ++i) {
+        SweepQuadrant& of = quadrants.of[i] = quadrant(grid, i / 2 == 0, i % 2 != 0 ? -1 : 1);
+        groups += (of.wedges + wedges_of_group - 1) / wedges_of_group;
+        of.end_group = groups;
+    }
+    if (groups > 0)
+        session.launch("sight/sight_sweep.cl", "sight_sweep", cl::Range::shares(std::size_t(groups)), grid, quadrants,
+                       heights_.get(), has_columns_ ? by_columns_.get() : heights_.get(), patch_tops_, spans_,
+                       answers_);
 }
 
 // The quadrant whose lines are rows (or columns) in one direction from the eye. Coordinates are mirrored where they
 // fall with the distance, so that a + b is constant along diagonals.
-SweepQuadrant HeightGrid::quadrant(const SightGrid& grid, bool is_along_y, int direction) {
+SweepQuadrant HeightGrid::quadrant(const SightGrid& grid, bool is_along_y, int direction) const {
     const int eye_a = direction * (is_along_y ? grid.eye_y : grid.eye_x);
     const int eye_b = direction * (is_along_y ? grid.eye_x : grid.eye_y);
     const int line = floor_divided(eye_a, SUBCELLS), vertex = floor_divided(eye_b, SUBCELLS);
@@ -113,8 +140,10 @@ SweepQuadrant HeightGrid::quadrant(const SightGrid& grid, bool is_along_y, int d
         return direction > 0 ? std::pair(first - eye, last - 1 - eye) : std::pair(1 - last - eye, -first - eye);
     };
     SweepQuadrant of{};
-    of.line_stride = direction * (is_along_y ? grid.columns : 1);
-    of.vertex_stride = direction * (is_along_y ? 1 : grid.columns);
+    const int line_stride = is_along_y ? grid.columns : has_columns_ ? grid.rows : 1;
+    const int vertex_stride = is_along_y || has_columns_ ? 1 : grid.columns;
+    of.line_stride = direction * line_stride;
+    of.vertex_stride = direction * vertex_stride;
     of.origin = std::int64_t(line) * of.line_stride + std::int64_t(vertex) * of.vertex_stride;
     std::tie(of.first_line, of.lines) = is_along_y ? from_eye(grid.first_row, grid.last_row, line)
                                                    : from_eye(grid.first_column, grid.last_column, line);
@@ -126,6 +155,8 @@ SweepQuadrant HeightGrid::quadrant(const SightGrid& grid, bool is_along_y, int d
     of.nearest = direction * line;
     of.vertex_of_eye = direction * vertex;
     of.direction = direction;
+    of.is_along_y = cl_int(is_along_y);
+    of.has_strips = cl_int(session_of(device_).is_cpu() && vertex_stride == 1 && vertices >= STRIP_LENGTH);
     set_wedges(of);
     return of;
 }
@@ -137,7 +168,7 @@ void HeightGrid::set_wedges(SweepQuadrant& of) {
     of.wedge_u = whole / std::max(of.lines, 32);  // so there are 64 wedges or more
     of.first_u = -of.wedge_u * 3 / 8 - whole;     // few rays meet vertices
     of.wedges = (whole - of.first_u - 1) / of.wedge_u + 1;
-    of.last_u = std::abs(of.line_stride) == 1 ? whole : whole - 1;
+    of.last_u = of.is_along_y != 0 ? whole - 1 : whole;
     const double near = double(std::max(of.first_line, 1)) - double(of.eye_a) / SUBCELLS;
     const double far = double(of.lines) - double(of.eye_a) / SUBCELLS, eye_b = double(of.eye_b) / SUBCELLS;
     const double low = of.first_target_b - eye_b, high = of.last_target_b - eye_b;
@@ -150,25 +181,22 @@ void HeightGrid::set_wedges(SweepQuadrant& of) {
     of.first_u += skipped * of.wedge_u;
 }
 
-void HeightGrid::decide(const SightGrid& grid, bool sweeps, const SightSum& sum, const cl::Buffer& counts,
-                        const cl::Buffer& words) {
+// From the second sweep on a CPU reads the heights by columns where lines are columns.
+void HeightGrid::turn() {
     cl::Session& session = session_of(device_);
-    if (sweeps) {
-        const int wedges_of_group = session.is_cpu() ? int(session.lanes()) - 1 : 1;
-        SweepQuadrants quadrants{};
-        int groups = 0;
-        for (int i = 0; i < 4; ++i) {
-            SweepQuadrant& of = quadrants.of[i] = quadrant(grid, i / 2 == 0, i % 2 != 0 ? -1 : 1);
-            groups += (of.wedges + wedges_of_group - 1) / wedges_of_group;
-            of.end_group = groups;
-        }
-        if (groups > 0)
-            session.launch("sight/sight_sweep.cl", "sight_sweep", cl::Range::shares(std::size_t(groups)), grid,
-                           quadrants, heights_.get(), patch_tops_, spans_, answers_);
-    }
-    const std::size_t targets = std::size_t(grid.band_last - grid.band_first) * std::size_t(grid.columns);
-    session.launch(lines_file, "sight_decide", cl::Range::shares(targets), grid, sum, heights_.get(), patch_tops_,
-                   answers_, counts, words);
+    if (!session.is_cpu() || has_columns_ || !std::exchange(has_swept_, true)) return;
+    by_columns_.reserve(session, std::size_t(grid_.rows) * std::size_t(grid_.columns) * sizeof(cl_int));
+    session.launch(lines_file, "sight_columns",
+                   cl::Range::items(std::size_t(grid_.patch_columns) * std::size_t(grid_.patch_rows)), grid_,
+                   heights_.get(), by_columns_);
+    has_columns_ = true;
+}
+
+void HeightGrid::decide(const SightGrid& grid, const Band& band, const SightSum& sum, const cl::Buffer& counts,
+                        const cl::Buffer& words) {
+    session_of(device_).launch(lines_file, "sight_decide", cl::Range::shares(cells_of(band)), grid, sum, heights_.get(),
+                               patch_tops_, answers_, counts, words);
+    hidden_ = sum.is_summed != 0 ? cells_of(band) : 0;
 }
 
 HeightGrid::Band HeightGrid::checked(const Band& band, Spans spans, std::size_t eyes) const {
@@ -182,12 +210,15 @@ HeightGrid::Band HeightGrid::checked(const Band& band, Spans spans, std::size_t 
 std::vector<std::uint8_t> HeightGrid::look(const Eye& eye, const Band& band, Spans spans, bool sweeps) {
     cl::Session& session = session_of(device_);
     const cl::Buffer none(session, sizeof(cl_uint));
-    decide(begin(eye, checked(band, spans, 1), spans, sweeps), sweeps, {}, none, none);
+    const SightGrid grid = grid_of(eye, checked(band, spans, 1), spans);
+    sweeps ? sweep(grid, band) : open(grid, band);
+    decide(grid, band, {}, none, none);
     return session.read_values<std::uint8_t>(answers_.get(), cells_of(band));
 }
 
 std::vector<std::int32_t> HeightGrid::least_heights(const Eye& eye, const Band& band, Spans spans) {
-    const SightGrid grid = begin(eye, checked(band, spans, 1), spans, false);
+    const SightGrid grid = grid_of(eye, checked(band, spans, 1), spans);
+    open(grid, band);
     cl::Session& session = session_of(device_);
     const std::size_t cells = cells_of(band);
     const cl::Buffer least(session, cells * sizeof(cl_int));
@@ -207,8 +238,9 @@ HeightGrid::Seen HeightGrid::look_from(std::span<const Eye> eyes, const Band& ba
     Seen seen;
     for (std::size_t i = 0; i < eyes.size(); ++i) {
         if (wants_words && i % 32 == 0) session.reserve_filled(words, 0, cells * sizeof(cl_uint));
-        decide(begin(eyes[i], band, spans.subspan(i * each, each), true), true,
-               {cl_uint(i % 32), 1, cl_uint(wants_words)}, counts, words);
+        const SightGrid grid = grid_of(eyes[i], band, spans.subspan(i * each, each));
+        sweep(grid, band);
+        decide(grid, band, {1, cl_uint(i % 32), cl_uint(wants_words)}, counts, words);
         if (wants_words && (i % 32 == 31 || i + 1 == eyes.size())) {
             const auto plane = session.read_values<std::uint32_t>(words.get(), cells);
             seen.words.insert(seen.words.end(), plane.begin(), plane.end());

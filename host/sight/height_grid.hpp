@@ -54,10 +54,13 @@ private:
     void share(std::span<const std::int32_t> heights);
     Band checked(const Band& band, Spans spans, std::size_t eyes) const;
     void set_box(SightGrid& grid, Spans spans) const;
-    SightGrid begin(const Eye& eye, const Band& band, Spans spans, bool sweeps);
-    void decide(const SightGrid& grid, bool sweeps, const SightSum& sum, const cl::Buffer& counts,
+    SightGrid grid_of(const Eye& eye, const Band& band, Spans spans);
+    void open(const SightGrid& grid, const Band& band);
+    void sweep(const SightGrid& grid, const Band& band);
+    void decide(const SightGrid& grid, const Band& band, const SightSum& sum, const cl::Buffer& counts,
                 const cl::Buffer& words);
-    static SweepQuadrant quadrant(const SightGrid& grid, bool is_along_y, int direction);
+    void turn();
+    SweepQuadrant quadrant(const SightGrid& grid, bool is_along_y, int direction) const;
     static void set_wedges(SweepQuadrant& of);
     std::size_t cells_of(const Band& band) const {
         return std::size_t(band.last_row - band.first_row) * std::size_t(grid_.columns);
@@ -69,8 +72,11 @@ private:
         void operator()(cl_mem memory) const;
     };
     std::unique_ptr<std::remove_pointer_t<cl_mem>, Release> heights_;
-    bool has_absent_ = false;
-    cl::Buffer copy_, targets_, patch_tops_, spans_, answers_;  ///< copy_: of the heights, on devices with own memory
+    bool has_absent_ = false, has_swept_ = false, has_columns_ = false;
+    cl::Buffer copy_;        ///< of the heights, on devices with own memory
+    cl::Buffer by_columns_;  ///< the heights, one column after the other
+    cl::Buffer targets_, patch_tops_, spans_, answers_;
+    std::size_t hidden_ = 0;  ///< so many answers are SIGHT_HIDDEN
 };
 
 }  // namespace gnomon

@@ -48,7 +48,8 @@ GN_STRUCT_BEGIN(SightGrid)
     int band_first, band_last;                           // the rows that have answers
 GN_STRUCT_END(SightGrid, 56)
 
-// Where an eye's answers are added: the counts of each cell, and bit `bit` of its word.
+// Where an eye's answers are added: the counts of each cell, and bit `bit` of its word. Then all answers are hidden
+// again, as the next eye's sweep needs them.
 GN_STRUCT_BEGIN(SightSum)
-    uint bit, has_counts, has_words;
+    uint is_summed, bit, has_words;
 GN_STRUCT_END(SightSum, 12)

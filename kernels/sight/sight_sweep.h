@@ -17,8 +17,12 @@
 #define U_BITS 22
 #define PLACE_BITS 30
 
+// Neighbouring vertices of a line, among which are all that the rays of a group meet.
+#define STRIP_LENGTH 32
+
 // A quadrant: a grows from the eye outwards, |b| < a, and a + b is constant along diagonals of the grid. Cell (a, b),
-// counted from the eye's cell, is heights[origin + a * line_stride + b * vertex_stride].
+// counted from the eye's cell, is heights[origin + a * line_stride + b * vertex_stride], of the heights by rows or by
+// columns.
 GN_STRUCT_BEGIN(SweepQuadrant)
     long origin;
     int line_stride, vertex_stride;
@@ -33,8 +37,10 @@ GN_STRUCT_BEGIN(SweepQuadrant)
     int direction;      // 1: x or y grows with a; -1
     int vertex_of_eye;  // y or x of vertex 0
     int end_group;      // of the groups of wedges of this quadrant and those before it
-GN_STRUCT_END(SweepQuadrant, 80)
+    int is_along_y;     // lines are rows
+    int has_strips;     // the vertices of a line are neighbours in memory, and at least STRIP_LENGTH
+GN_STRUCT_END(SweepQuadrant, 88)
 
 GN_STRUCT_BEGIN(SweepQuadrants)
     SweepQuadrant of[4];
-GN_STRUCT_END(SweepQuadrants, 320)
+GN_STRUCT_END(SweepQuadrants, 352)

@@ -156,6 +156,39 @@ TEST(HeightGrid, BandsAreTheRowsOfTheWhole) {
     }
 }
 
+// Each eye begins with hidden answers, whatever was asked of the grid before it: counts and words are sums of single
+// looks, and an odd number of cells is filled to its end.
+TEST(HeightGrid, EyesAddUp) {
+    constexpr int height = 67, width = 81;
+    const Heights heights = hills(height, width, 5);
+    const gnomon::HeightGrid::Band band{3, height};
+    const auto spans = whole_rows(height - 3, width);
+    std::vector<gnomon::Eye> eyes;
+    std::vector<std::int32_t> all_spans;
+    for (int i = 0; i < 40; ++i) {
+        const int x = (i * 29 % (width - 1)) * SUBCELLS + (i % 3) * 50, y = (i * 17 % (height - 1)) * SUBCELLS;
+        eyes.push_back({x, y, 9000 + 100 * i, i % 2 * 300});
+        all_spans.insert(all_spans.end(), spans.begin(), spans.end());
+    }
+    for (const bool gpu_kernels : {false, true}) {
+        gnomon::HeightGrid grid(device_of(gpu_kernels), heights, width);
+        const auto cells = std::size_t(height - 3) * width;
+        std::vector<std::uint32_t> counts(cells), words(2 * cells);
+        for (std::size_t i = 0; i < eyes.size(); ++i) {
+            const auto seen = gnomon::HeightGrid(device_with(), heights, width).look(eyes[i], band, spans, false);
+            for (std::size_t cell = 0; cell < cells; ++cell) {
+                counts[cell] += seen[cell];
+                words[i / 32 * cells + cell] |= std::uint32_t(seen[cell]) << i % 32;
+            }
+        }
+        const auto found = grid.look_from(eyes, band, all_spans, true);
+        EXPECT_EQ(found.counts, counts);
+        EXPECT_EQ(found.words, words);
+        EXPECT_EQ(grid.look(eyes[1], band, spans), grid.look(eyes[1], band, spans, false));
+        EXPECT_EQ(grid.look_from(eyes, band, all_spans, false).counts, counts);
+    }
+}
+
 TEST(HeightGrid, RefusesWhatIsOutOfRange) {
     const gnomon::Device device = device_with();
     const Heights flat(16, 0);
