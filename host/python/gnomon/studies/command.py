@@ -18,6 +18,7 @@ from .._earth import EARTH_RADIUS
 from .._files import require_other
 from .._viewshed import REFRACTION
 from . import Execution, StudyStoppedError, open_study, read_toml, run, verify
+from .mesh_viewshed import MeshSettings, write_seen_targets
 from .settings import files_of
 from .shares import WHAT as WHAT_OF_SHARES
 from .shares import ShareSettings, write_shares
@@ -79,9 +80,16 @@ def _parser() -> argparse.ArgumentParser:
 
 def _add_viewshed(commands: Any) -> None:
     parser = commands.add_parser("viewshed", help="write which cells of a raster observers see (docs/viewshed.md)")
-    parser.add_argument("raster", help="a GeoTIFF of heights, or a pattern such as 'tiles/*.tif', on one grid")
-    parser.add_argument("observers", help="x,y on the map, or a .csv file: columns x, y, perhaps height")
-    parser.add_argument("output", type=Path, help="the GeoTIFF that is written")
+    parser.add_argument(
+        "raster", help="a GeoTIFF of heights, or a pattern such as 'tiles/*.tif', on one grid; with --targets a mesh"
+    )
+    parser.add_argument(
+        "observers", help="x,y on the map, or a .csv file: columns x, y, perhaps height; of a mesh x, y, z"
+    )
+    parser.add_argument("output", type=Path, help="the GeoTIFF that is written; with --targets a .csv file")
+    parser.add_argument(
+        "--targets", metavar="FILE", help="no raster: which of these points (x, y, z, perhaps nx, ny, nz) are seen"
+    )
     parser.add_argument("--what", choices=WHAT, help="default: seen for one observer, else counts")
     parser.add_argument("--height", type=float, default=2.0, help="of eyes above the ground, m; default: %(default)g")
     parser.add_argument("--target-height", type=float, default=0.0, help="of targets above the ground, m")
@@ -191,7 +199,34 @@ def _refraction(text: str) -> float | None:
         raise argparse.ArgumentTypeError(f"{text!r} is neither a number nor 'plane'") from None
 
 
+#: What no raster's name ends in.
+OF_MESHES = (".obj", ".off", ".ply", ".stl", ".glb", ".gltf", ".json", ".jsonl", ".cityjson")
+#: Options of rasters alone, and their defaults.
+OF_RASTERS = {"what": None, "refraction": REFRACTION, "radius": EARTH_RADIUS, "outside": None, "height_unit": None,
+              "folder": None, "bits": False, "tile": None, "block": 128, "restart": False, "workers": None}  # fmt: skip
+
+
+def _seen_targets(options: argparse.Namespace) -> int:
+    for name, default in OF_RASTERS.items():
+        if getattr(options, name) != default and (name, getattr(options, name)) != ("refraction", None):
+            raise ValueError(f"--{name.replace('_', '-')}: is of rasters: leave it out with --targets")
+    record = write_seen_targets(
+        options.output,
+        MeshSettings(
+            meshes=(*files_of(options.raster), *(files_of(options.mesh) if options.mesh else ())),
+            **{name: getattr(options, name) for name in MeshSettings._fields[1:]},
+        ),
+    )
+    if not options.quiet:
+        print(json.dumps(record, indent=1))
+    return 0
+
+
 def _viewshed(options: argparse.Namespace) -> int:
+    if options.targets is not None:
+        return _seen_targets(options)
+    if (suffix := Path(options.raster).suffix.lower()) in OF_MESHES:
+        raise ValueError(f"{options.raster}: is a mesh ({suffix}): give --targets too, a table of what is looked at")
     observers = observers_of(options.observers, options.height)
     require_other(options.output, [options.observers])
     what = options.what or ("seen" if len(observers) == 1 else "counts")
