@@ -621,7 +621,7 @@ Proof.
   repeat split; try lra; [apply Rmult_le_pos | apply Rmult_le_compat_r]; lra.
 Qed.
 (* Of an `underflow`: a polynomial with numbers. *)
-Ltac underflow_in_numbers := cbn -[u32 h32 Q2R]; unfold of_product, alpha; rewrite ?u32_value, ?Q2R_0', ?h32_is; simpl pow.
+Ltac underflow_in_numbers := cbn -[u32 h32 Q2R taken]; unfold of_product, alpha; rewrite ?u32_value, ?Q2R_0', ?h32_is; simpl pow.
 
 (* One operation at a time: what it takes of its operands and its result is below a few h. *)
 Lemma one_rounding32 s v : rounds32 s v -> Rabs (v - s) <= / 16777216 * Rabs s + h32.
