@@ -4,6 +4,7 @@
      raw_near, offset_near, value_near   the raw coordinate, the row's offset and the coordinate in the grid;
      fitted_near                         all of them: a coordinate is within 29.4 u M scale of where the fit puts it,
                                          and what underflow takes;
+     offset_is_large                     the row's offset is at least a fifth of a texel;
      point_is_inside                     so a padding of that much and the quarter of a texel keep it inside.
 
    Assumed: no coordinate of a point exceeds M, the greater of all; the shear is at most 1; the bounds are raw coordinates
@@ -214,6 +215,35 @@ Proof.
   unfold reach in *. lra.
 Qed.
 
+(* Of a point on the box's low side along x, and of one on the side along z towards which raw coordinates fall, one is left
+   of the center, so that the offset is never small. Their raw coordinates are at least `first`. *)
+Lemma first_is_left p_x p_z q_x q_z p q : first <= p -> first <= q ->
+  Rabs (p - (p_x - g * p_z)) <= 402 / 100 * u * M -> Rabs (q - (q_x - g * q_z)) <= 402 / 100 * u * M ->
+  p_x <= c_x - E_x + 3 * u * M -> Rabs (p_z - c_z) <= E_z + 3 * u * M ->
+  q_x <= c_x + E_x + 3 * u * M -> Rabs g * E_z - 3 * u * M <= g * (q_z - c_z) -> first <= c_x - g * c_z + 11 * u * M.
+Proof.
+  intros P Q Np Nq px pz qx qz. apply between in Np, Nq. destruct h_small as (_ & M1 & _).
+  assert (G : Rabs (g * (p_z - c_z)) <= Rabs g * E_z + 3 * u * M).
+  { rewrite Rabs_mult. assert (H := Rmult_le_compat_l (Rabs g) _ _ (Rabs_pos g) pz).
+    assert (H' := Rmult_le_compat_r (3 * u * M) _ _ ltac:(lra) g_in). lra. }
+  apply between in G. lra.
+Qed.
+Theorem offset_is_large o : computed x (offset_of (Given center_x 0) (Given center_z 0)) o ->
+  first <= c_x - g * c_z + 11 * u * M -> Q2R edge = / 4 -> 32 * u <= Q2R kernels_padding -> / 5 <= o.
+Proof.
+  intros C left e_is K. apply offset_near in C. apply between in C. destruct h_small as (_ & M1 & _).
+  unfold real_offset, of_offset in C. rewrite e_is, (Rabs_pos_eq (/ 4)) in C by lra.
+  assert (Ex : E_x <= (1 + 3 * u) * M) by (assert (Z := Rabs_pos c_x); lra).
+  assert (Ez : E_z <= (1 + 3 * u) * M) by (assert (Z := Rabs_pos c_z); lra).
+  assert (D : first - Q2R kernels_padding * x greater_6 - (c_x - g * c_z) + u * (506 / 100 * M + 101 / 100 * E_x + 2 / 100 *
+    E_z) + u * (101 / 100 * reach + 120 * u * M) <= 32 * u * more).
+  { assert (H := Rmult_le_compat_r (x greater_6) _ _ M0 K). unfold reach, M in *. lra. }
+  assert (sD := Rmult_le_compat_l s _ _ ltac:(lra) D).
+  assert (s_more : s * more <= / 2 ^ 14).
+  { replace (/ 2 ^ 14) with (2 ^ 76 * more) by lra. apply Rmult_le_compat_r; lra. }
+  lra.
+Qed.
+
 (* The coordinate in the grid: the row is s, 0, a product that rounds once, and the offset. *)
 Hypotheses (row_is : x row = s) (row_1_is : x row_1 = 0) (row_2_near : Rabs (x row_2 + s * g) <= 101 / 100 * u * s + 3 * h).
 Theorem value_near v : computed x value v ->
@@ -300,5 +330,5 @@ Proof. vm_compute. auto. Qed.
 
 Definition constants := Eval vm_compute in shown least_padding kernels_padding.
 Print constants.
-Definition checked := (raw_near, offset_near, value_near, fitted_near, point_is_inside, kernel_is_enough).
+Definition checked := (raw_near, offset_near, first_is_left, offset_is_large, value_near, fitted_near, point_is_inside, kernel_is_enough).
 Print Assumptions checked.
