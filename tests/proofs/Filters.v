@@ -615,6 +615,12 @@ Qed.
 Theorem taken_within x f m d e : keeps x f -> within x m d e ->
   taken x f e <= underflow u32 h32 (fun i => Q2R (f i)) m d e.
 Proof. intros K W. apply lost_below; try apply bpow_ge_0; auto. exact (keeps_range x f K). Qed.
+Theorem taken_of_limits x f m d e rest : keeps x f -> Qle_bool (underflowQ u32Q h32Q f m d e) rest = true ->
+  within x (fun i => Q2R (m i)) (fun i j => Q2R (d i j)) e -> taken x f e <= Q2R rest.
+Proof.
+  intros K E W. apply Qle_bool_imp_le, Qle_Rle in E. rewrite underflow_is, u32_is, h32_is in E.
+  assert (T := taken_within x f _ _ e K W). lra.
+Qed.
 Lemma h32_powers : 0 < h32 <= / 2 ^ 126 /\ 0 <= h32 * h32 <= / 2 ^ 126 * h32.
 Proof.
   assert (h := h32_positive). assert (h1 := h32_below).
