@@ -9,6 +9,7 @@
    the rectangle's two sides, which are a texel and more apart, one is half of |a_w| from a_x, at the least (rho_has);
    rho's roundings are within the 1 %. Overflow: coordinates are below 1e12. *)
 From Coq Require Import Reals QArith Qreals Lra Psatz.
+From Flocq Require Import Core.
 Require Import Roundings Devices Filters.
 
 (* begin: from the kernels, by expressions.py *)
@@ -94,8 +95,12 @@ Proof.
     assert (hhR := Rmult_le_compat_r far _ _ ltac:(lra) (proj2 hh)). assert (hhS := Rmult_le_compat_r S _ _ S0 (proj2 hh)).
     assert (hhR0 := Rmult_le_pos _ far (proj1 hh) ltac:(lra)). assert (hhS0 := Rmult_le_pos _ S (proj1 hh) S0).
     assert (hhh := Rmult_le_compat_r h32 _ _ ltac:(lra) (proj2 hh)). assert (hhh0 := Rmult_le_pos _ h32 (proj1 hh) ltac:(lra)).
-    replace (Q2R bound_constant) with (3 / 8388608) by (unfold Q2R; simpl; lra).
-    unfold of_underflow. lra.
+    assert (c : 0 <= Q2R bound_constant <= / 1000).
+    { split; [rewrite <- Q2R_0' | replace (/ 1000) with (Q2R (1 # 1000)) by (unfold Q2R; simpl; lra)]; apply Qle_Rle;
+      apply Qle_bool_iff; vm_compute; reflexivity. }
+    assert (T0 : 0 <= taken x may_lose size)
+      by (apply lost_positive; [apply bpow_ge_0 | apply bpow_ge_0 | exact (keeps_range x _ kept)]).
+    assert (cT := Rmult_le_compat_r _ _ _ T0 (proj2 c)). unfold of_underflow. lra.
 Qed.
 
 (* rho is at least as large as the distances of a to both sides, left and right. *)

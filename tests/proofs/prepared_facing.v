@@ -190,7 +190,8 @@ Proof.
     apply Qle_bool_iff; vm_compute; reflexivity. }
   assert (T0 : 0 <= taken thrice)
     by (apply lost_positive; [apply bpow_ge_0 | apply bpow_ge_0 | exact (keeps_range x _ (all_may_lose x))]).
-  replace (Q2R bound_rest) with (/ 2 ^ 120) by (unfold Q2R; simpl; lra).
+  assert (rest : Q2R ((60 # 1) * h32Q) <= Q2R bound_rest) by (apply Qle_Rle, Qle_bool_iff; vm_compute; reflexivity).
+  rewrite Q2R_mult, h32_is in rest. replace (Q2R (60 # 1)) with 60 in rest by (unfold Q2R; simpl; lra).
   assert (C2 : (Q2R constant - / 2 ^ 30) * taken thrice <= / 1000 * (20 * h)).
   { eapply Rle_trans; [apply Rmult_le_compat_r; [exact T0 |] | apply Rmult_le_compat_l; [| exact T]]; lra. }
   lra.

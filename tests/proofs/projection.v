@@ -99,11 +99,13 @@ Proof.
   assert (Av := below value (4769 # 10000000000)%Q ltac:(vm_compute; reflexivity)).
   replace (Q2R (1 # 100000)) with (/ 100000) in As by (unfold Q2R; simpl; lra).
   replace (Q2R (4769 # 10000000000)) with (4769 / 10000000000) in Av by (unfold Q2R; simpl; lra).
-  replace (Q2R bound_constant) with (5 / 8388608) by (unfold Q2R; simpl; lra).
+  assert (c : Q2R (48 # 100000000) <= Q2R bound_constant) by (apply Qle_Rle, Qle_bool_iff; vm_compute; reflexivity).
+  replace (Q2R (48 # 100000000)) with (48 / 100000000) in c by (unfold Q2R; simpl; lra).
   rewrite real_is in Cs. apply between in Cs.
   assert (G := Rmult_le_compat_r (permanent x size) _ _ (permanent_positive x size) As).
   assert (H := Rmult_le_compat (alpha u32 (roundings value)) _ _ _ (alpha_at_least _) (permanent_positive x value) Av
-    (proj2 larger)). split; lra.
+    (proj2 larger)). assert (P0 := permanent_positive x size).
+  assert (cs := Rmult_le_compat_r s _ _ ltac:(lra) c). split; lra.
 Qed.
 Lemma error_is_not_small : Qle_bool (1 # 2 ^ 24) (bound_constant * (19 # 100) * (1 - (4 # 2 ^ 24))) = true.
 Proof. vm_compute. reflexivity. Qed.
