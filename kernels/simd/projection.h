@@ -26,7 +26,7 @@
 // Underflow: a product or sum below 2^-126 errs by up to 2^-150, whatever its size; where denormals are flushed, each
 // d_i by up to 4 2^-126, times the row. PROJECTION_UNDERFLOW is above that for rows up to 2^32
 // (tests/proofs/projection.v): a vertex that near to a point light or an eye does not count as certainly in front of
-// it.
+// it. Under a direction a small scene's rows are larger, but the offset is at least a fifth of a texel (frame_fit.v).
 #pragma once
 
 #include "prelude.h"

@@ -582,6 +582,53 @@ Qed.
 Tactic Notation "near_in" constr(limit) constr(rest) constr(e) hyp(C) :=
   apply (near_limited limit rest _ e _ ltac:(vm_compute; reflexivity)) in C.
 
+(* What a bound in proportion to a computed size leaves: what underflow takes of the value, and the constant times what it
+   takes of the size. taken_within() has both by limits of the inputs. *)
+Definition taken x f e := lost u32 h32 x (fun i => Q2R (f i)) e.
+Theorem error_but_taken x f value size constant v s : keeps x f ->
+  Qle_bool (rate u32Q value size) constant = true -> Qle_bool 1 (alphaQ u32Q (roundings size)) = false ->
+  permanent x value <= permanent x size -> real x size = permanent x size ->
+  computes32 x value v -> computes32 x size s ->
+  Rabs (v - real x value) <= Q2R constant * s + (taken x f value + Q2R constant * taken x f size).
+Proof.
+  intros K E E1 Hp Hs Cv Cs. apply Qle_bool_imp_le, Qle_Rle in E.
+  assert (off := computed_is_off u32 h32 (bpow_ge_0 _ _) (bpow_ge_0 _ _) rounds32 seen32 rounds32_near seen32_near x
+    (fun i => Q2R (f i)) (keeps_range x f K) (keeps_near x f K)).
+  assert (Nv := off _ _ Cv). assert (Ns := off _ _ Cs). clear off. fold (taken x f value) in Nv. fold (taken x f size) in Ns.
+  assert (L : 0 <= taken x f size) by (apply lost_positive; try apply bpow_ge_0; exact (keeps_range x f K)).
+  assert (E2 : (alphaQ u32Q (roundings size) < 1)%Q).
+  { apply Qnot_le_lt. intro H. apply Qle_bool_iff in H. congruence. }
+  assert (nonzero : ~ (1 - alphaQ u32Q (roundings size) == 0)%Q).
+  { intro H. assert (H' : (alphaQ u32Q (roundings size) == 1)%Q) by (rewrite <- Qplus_0_r, <- H; ring).
+    rewrite H' in E2. now apply Qlt_irrefl in E2. }
+  apply Qlt_Rlt in E2. rewrite alpha_is, Q2R_1, u32_is in E2.
+  unfold rate in E. rewrite Q2R_red, Q2R_div, Q2R_minus, Q2R_1, !alpha_is, u32_is in E by exact nonzero.
+  assert (A := alpha_at_least (roundings value)). set (a := alpha u32 (roundings value)) in *.
+  set (g := alpha u32 (roundings size)) in *. rewrite Hs in Ns. apply between in Ns. set (P := permanent x size) in *.
+  assert (P0 : 0 <= P) by apply permanent_positive. assert (s0 : (1 - g) * P <= s + taken x f size) by lra.
+  assert (A1 : 0 <= a / (1 - g)) by (unfold Rdiv; apply Rmult_le_pos; [exact A | left; apply Rinv_0_lt_compat; lra]).
+  assert (AP := Rmult_le_compat_l _ _ _ A1 s0). replace (a / (1 - g) * ((1 - g) * P)) with (a * P) in AP by (field; lra).
+  assert (G : 0 <= (1 - g) * P) by (apply Rmult_le_pos; lra).
+  assert (c := Rmult_le_compat_r (s + taken x f size) _ _ ltac:(lra) E).
+  assert (aP := Rmult_le_compat_l a _ _ A Hp). lra.
+Qed.
+Theorem taken_within x f m d e : keeps x f -> within x m d e ->
+  taken x f e <= underflow u32 h32 (fun i => Q2R (f i)) m d e.
+Proof. intros K W. apply lost_below; try apply bpow_ge_0; auto. exact (keeps_range x f K). Qed.
+Theorem taken_of_limits x f m d e rest : keeps x f -> Qle_bool (underflowQ u32Q h32Q f m d e) rest = true ->
+  within x (fun i => Q2R (m i)) (fun i j => Q2R (d i j)) e -> taken x f e <= Q2R rest.
+Proof.
+  intros K E W. apply Qle_bool_imp_le, Qle_Rle in E. rewrite underflow_is, u32_is, h32_is in E.
+  assert (T := taken_within x f _ _ e K W). lra.
+Qed.
+Lemma h32_powers : 0 < h32 <= / 2 ^ 126 /\ 0 <= h32 * h32 <= / 2 ^ 126 * h32.
+Proof.
+  assert (h := h32_positive). assert (h1 := h32_below).
+  repeat split; try lra; [apply Rmult_le_pos | apply Rmult_le_compat_r]; lra.
+Qed.
+(* Of an `underflow`: a polynomial with numbers. *)
+Ltac underflow_in_numbers := cbn -[u32 h32 Q2R taken]; unfold of_product, alpha; rewrite ?u32_value, ?Q2R_0', ?h32_is; simpl pow.
+
 (* One operation at a time: what it takes of its operands and its result is below a few h. *)
 Lemma one_rounding32 s v : rounds32 s v -> Rabs (v - s) <= / 16777216 * Rabs s + h32.
 Proof. intros R. apply rounds32_near in R. rewrite u32_value in R. exact R. Qed.

@@ -81,6 +81,10 @@ noticed samples/footprints.clh 's/3\.0f \* (reach + eye_size)/2.0f * (reach + ey
 refused spread
 noticed occluders/hull_bounds.clh 's/BOUND_INFLATION 1\.01f/BOUND_INFLATION 1.009f/' rectangles.v
 refused rectangles
+noticed receivers/light_frame.cl 's/1\.0e-18f/1.0e-20f/' frame_fit.v
+refused frame_fit
+noticed prepared/prepared_facing.clh 's/0x1p-120f/0x1p-125f/' prepared_facing.v
+refused prepared_facing
 # A bound that lacks one of its two; a plane's factor; a mean's; terms of the camera's rays and of its intervals.
 noticed receivers/backfacing.cl 's/1\.01f \* (bound_a + bound_b)/1.01f * bound_a/' two_determinants.v
 refused two_determinants

@@ -7,13 +7,12 @@
      plane_moves           what errors of normal, corner and point do to the height: the margin's quotient and error_z.
    height_error on top is the point's own.
 
-   Assumed: x and y of corners are off by at most `error`, z by error_z (projection.v); |X|, |Y|, |a_x| and |a_y| are
-     at most
-   what L multiplies the slopes with; a quotient is off by 2.5 ulp; no result is below 2^-126 unless it is 0 (2^-90 in
-     the
-   errors covers underflow: prose). `safe_n_z` subtracts 1.01 delta_z and rounds once: at most |n_z| less the real
-     delta_z.
-   Overflow: no height is certain where the margin is infinite. *)
+   Assumed: x and y of corners are off by at most `error`, from 2^-24 on, z by error_z, from 2^-91 on (projection.v); |X|,
+   |Y|, |a_x| and |a_y| are at most what L multiplies the slopes with; a quotient is off by 2.5 ulp. Of the normal, denormals
+   may be kept or flushed: what underflow takes is less than 2^-8 of the delta. Of the height and of the margin's own sums and
+   quotients no result is below 2^-126 unless it is 0 (2^-90 in error_z covers underflow but in scenes less than about 1e-18
+   high whose denormals are flushed: prose). `safe_n_z` subtracts 1.01 delta_z and rounds once: at most |n_z| less the real
+   delta_z. Overflow: no height is certain where the margin is infinite. *)
 From Coq Require Import Reals QArith Qreals Lra Psatz.
 From Flocq Require Import Core.
 Require Import Roundings Devices Filters.
@@ -197,38 +196,46 @@ Hypotheses (x1_near : Rabs (x1 - (x b_x - x a_x)) <= e) (x2_near : Rabs (x2 - (x
 Hypotheses (y1_near : Rabs (y1 - (x b_y - x a_y)) <= e) (y2_near : Rabs (y2 - (x c_y - x a_y)) <= e).
 Hypotheses (z1_near : Rabs (z1 - (x b_z - x a_z)) <= e_z) (z2_near : Rabs (z2 - (x c_z - x a_z)) <= e_z).
 
-Lemma normal_near n v : roundings n = 4%nat -> computes_normal x n v -> within_limits x (Q2R any) (Q2R any) n ->
-  Rabs (v - real x n) <= (1 + / 1048576) * (permanent x n * / 4194304).
+(* Denormals may be kept or flushed: errors are at least what projection.v has. *)
+Hypotheses (error_in : / 2 ^ 24 <= x error) (error_z_in : / 2 ^ 91 <= x error_z).
+Local Notation h := h32.
+Lemma h_below_errors : 0 < h <= / 2 ^ 126 /\ h <= / 2 ^ 30 * x error_z /\ h <= / 2 ^ 30 * x error /\
+  0 <= x error * x error /\ / 2 ^ 115 <= x error * x error_z /\ / 2 ^ 48 <= x error * x error.
 Proof.
-  intros Hr C L. assert (N := error_of_normal_numbers x (fun _ => any) (fun _ _ => any) n v L C). rewrite Hr in N.
-  assert (G := Rmult_le_compat_r _ _ _ (permanent_positive x n) four_roundings). lra.
+  assert (h0 := h32_powers). assert (E := Rmult_le_compat (/ 2 ^ 24) (x error) (/ 2 ^ 91) (x error_z) ltac:(lra) ltac:(lra)
+    error_in error_z_in).
+  assert (F := Rmult_le_compat (/ 2 ^ 24) (x error) (/ 2 ^ 24) (x error) ltac:(lra) ltac:(lra) error_in error_in).
+  repeat split; lra.
 Qed.
 
-Ltac near N1 N2 N3 N4 v C L n :=
+Ltac near N1 N2 N3 N4 v C n :=
   assert (A := product_moves _ _ _ _ _ _ N1 N2); assert (B := product_moves _ _ _ _ _ _ N3 N4);
-  assert (R := normal_near n v eq_refl C L); apply between in A; apply between in B; apply between in R; apply Rabs_le;
-  cbv [n n_x n_y n_z quotient_1_over quotient_2_over quotient_1_under real permanent] in R;
+  apply near32 in C; unfold lost32 in C; cbn -[u32 h32 alpha] in C; unfold of_product, alpha in C;
+  rewrite ?u32_value in C; simpl pow in C;
+  apply between in A; apply between in B; apply between in C; apply Rabs_le;
   cbv [delta_x delta_y delta_z quotient_4_over real]; unfold e, e_z in *;
   replace (Q2R 2) with 2 in * by (unfold Q2R; simpl; lra);
   replace (Q2R (1 # 4194304)) with (/ 4194304) in * by (unfold Q2R; simpl; lra).
 
-Hypotheses (error_positive : 0 <= x error) (error_z_positive : 0 <= x error_z).
-Definition own_errors n v := computes_normal x n v /\ within_limits x (Q2R any) (Q2R any) n.
-
 Ltac errors_are_positive :=
-  assert (E1 := Rmult_le_pos _ _ error_positive error_positive);
-  assert (E2 := Rmult_le_pos _ _ error_positive error_z_positive);
+  destruct h_below_errors as (h0 & hz & he & E1 & E2 & E3); assert (hh : 0 <= h * h <= / 2 ^ 126 * h) by (split; [apply
+    Rmult_le_pos | apply Rmult_le_compat_r]; lra);
   repeat match goal with |- context [Rabs ?y] => lazymatch goal with
-    | _ : 0 <= Rabs y * x error |- _ => fail
-    | _ => assert (0 <= Rabs y * x error) by (apply Rmult_le_pos; [apply Rabs_pos | assumption]);
-           assert (0 <= Rabs y * x error_z) by (apply Rmult_le_pos; [apply Rabs_pos | assumption]) end end.
+    | _ : Rabs y * h <= _ /\ _ |- _ => fail
+    | _ => assert (Rabs y * h <= Rabs y * (/ 2 ^ 30 * x error) /\ Rabs y * h <= Rabs y * (/ 2 ^ 30 * x error_z) /\
+             0 <= Rabs y * h)
+           by (repeat split; [apply Rmult_le_compat_l | apply Rmult_le_compat_l | apply Rmult_le_pos];
+               try apply Rabs_pos; lra) end end;
+  repeat match goal with |- context [Rabs ?y * Rabs ?z] => lazymatch goal with
+    | _ : 0 <= Rabs y * Rabs z |- _ => fail
+    | _ => assert (0 <= Rabs y * Rabs z) by (apply Rmult_le_pos; apply Rabs_pos) end end.
 
-Theorem n_x_near v : own_errors n_x v -> Rabs ((y1 * z2 - z1 * y2) - v) <= (1 + / 1048576) * real x delta_x.
-Proof. intros [C L]. near y1_near z2_near z1_near y2_near v C L n_x. errors_are_positive. lra. Qed.
-Theorem n_y_near v : own_errors n_y v -> Rabs ((z1 * x2 - x1 * z2) - v) <= (1 + / 1048576) * real x delta_y.
-Proof. intros [C L]. near z1_near x2_near x1_near z2_near v C L n_y. errors_are_positive. lra. Qed.
-Theorem n_z_near v : own_errors n_z v -> Rabs ((x1 * y2 - y1 * x2) - v) <= (1 + / 1048576) * real x delta_z.
-Proof. intros [C L]. near x1_near y2_near y1_near x2_near v C L n_z. errors_are_positive. lra. Qed.
+Theorem n_x_near v : computes32 x n_x v -> Rabs ((y1 * z2 - z1 * y2) - v) <= (1 + / 256) * real x delta_x.
+Proof. intros C. near y1_near z2_near z1_near y2_near v C n_x. errors_are_positive. lra. Qed.
+Theorem n_y_near v : computes32 x n_y v -> Rabs ((z1 * x2 - x1 * z2) - v) <= (1 + / 256) * real x delta_y.
+Proof. intros C. near z1_near x2_near x1_near z2_near v C n_y. errors_are_positive. lra. Qed.
+Theorem n_z_near v : computes32 x n_z v -> Rabs ((x1 * y2 - y1 * x2) - v) <= (1 + / 256) * real x delta_z.
+Proof. intros C. near x1_near y2_near y1_near x2_near v C n_z. errors_are_positive. lra. Qed.
 End Plane.
 
 (* The heights of two planes: z through `a` with the normal n, as they are computed, and Z through A with the normal
@@ -285,7 +292,7 @@ End Moved.
   size;
    the quotients have met 5 roundings more each. *)
 Definition deepest := (roundings margin + roundings quotient_4_over + roundings quotient_4_under + 10)%nat.
-Lemma inflation_is_enough : Qle_bool (1 + (1 # 2 ^ 20)) (inflation * (1 - alphaQ u32Q deepest)) = true.
+Lemma inflation_is_enough : Qle_bool (1 + (1 # 2 ^ 8)) (inflation * (1 - alphaQ u32Q deepest)) = true.
 Proof. vm_compute. reflexivity. Qed.
 
 Definition constants := Eval vm_compute in shown least_bound of_largest.

@@ -2,9 +2,12 @@
 (* prepared_facing.clh: how far the eye is above a triangle's plane, n . eye - n . a, against 32 u (E + A).
 
    Assumed: no coordinate of the eye exceeds E, none of the triangle A; the sizes in n times the scale are at most
-   1 + 2^-20 (1 as they are computed); no result is below 2^-126 unless it is 0 (2^-120 and PLANE_LEAST cover underflow:
-   prose). The bound rounds twice more than `size`. Overflow: the bound is infinite beyond 2^100. *)
-From Coq Require Import Reals QArith Lra Psatz.
+   1 + 2^-20 (1 as they are computed); the scale is at most 2^59 (sizes are PLANE_LEAST and more), the triangle's sides up to
+   2^21 (they are usable only up to 2^20). Denormals may be kept or flushed: n loses less than 2^-40, and half of
+   the bound's 2^-120 has the rest; the other half has what the bound itself loses. The bound rounds twice more than
+   `size`. Overflow: the bound is infinite beyond 2^100. *)
+From Coq Require Import Reals QArith Qreals Lia Lra Psatz.
+From Flocq Require Import Core.
 Require Import Roundings Devices Filters.
 
 (* begin: from the kernels, by expressions.py *)
@@ -61,8 +64,6 @@ Proof. cbv [value real]. ring. Qed.
 (* Three coordinates. *)
 Definition thrice := Times (3 * (1048577 # 1048576)) size.
 Definition constant : Q := bound_constant / (3 * (1048577 # 1048576)) * (1 - (4 # 2 ^ 24)).
-Definition least_bound :=
-  Eval vm_compute in (3 * (1048577 # 1048576) * rate u32Q value thrice / (1 - (4 # 2 ^ 24)))%Q.
 
 Lemma products : permanent x value <= permanent x thrice.
 Proof.
@@ -87,18 +88,113 @@ Proof.
   unfold nx, ny, nz in *. lra.
 Qed.
 
-Theorem error v s :
-  within_limits x (Q2R any) (Q2R any) value -> within_limits x (Q2R any) (Q2R any) thrice ->
-  computes_normal x value v -> computes_normal x thrice s -> 0 <= s -> Rabs (v - real x value) <= Q2R constant * s.
+(* What underflow takes of n, and of the value. *)
+Local Notation h := h32.
+Let taken := taken x (all h32Q).
+Hypothesis scale_in : Rabs (x scale) <= 576460752303423488.  (* 2^59 *)
+Let side i j := Rabs (x i - x j) <= 2097152.  (* 2^21 *)
+Hypotheses (b_x_in : side b_x a_x) (b_y_in : side b_y a_y) (b_z_in : side b_z a_z).
+Hypotheses (c_x_in : side c_x a_x) (c_y_in : side c_y a_y) (c_z_in : side c_z a_z).
+Definition normal i j k l m n o p := Mul (Given scale 0) (Sub (Mul (Diff i j) (Diff k l)) (Mul (Diff m n) (Diff o p))).
+Definition rest_of_n : Q := 1 # 1099511627776.  (* 2^-40 *)
+Lemma normal_loses i j k l m n o p : side i j -> side k l -> side m n -> side o p ->
+  taken (normal i j k l m n o p) <= Q2R rest_of_n.
 Proof.
-  assert (E0 := Rabs_pos (x eye_x)). assert (A0 := Rabs_pos (x a_x)).
-  assert (HE := Rabs_pos_eq (x E) ltac:(lra)). assert (HA := Rabs_pos_eq (x A) ltac:(lra)).
-  intros. eapply float_error_of_normal_numbers with (size := thrice) (m := fun _ => any) (d := fun _ _ => any); try
-    eassumption.
-  - vm_compute. reflexivity.
-  - apply products.
-  - cbv [thrice size real permanent]. rewrite !HE, HA.
-    rewrite (Rabs_pos_eq (Q2R (3 * (1048577 # 1048576)))) by (unfold Q2R; simpl; lra). reflexivity.
+  intros. apply (taken_of_limits x (all h32Q) (all (576460752303423488 # 1)) (apart (2097152 # 1)));
+    [apply all_may_lose | vm_compute; reflexivity |].
+  cbn -[Q2R]. unfold all, apart. replace (Q2R (576460752303423488 # 1)) with 576460752303423488 by (unfold Q2R; simpl; lra).
+  replace (Q2R (2097152 # 1)) with 2097152 by (unfold Q2R; simpl; lra). auto.
+Qed.
+(* A product of n and a coordinate. *)
+Lemma product_loses i n : roundings n = 5%nat -> permanent x n <= most -> taken n <= Q2R rest_of_n ->
+  taken (Mul (Given i 0) n) <= / 2 ^ 39 * Rabs (x i) + 21 / 10 * h.
+Proof.
+  intros Rn P T. assert (P0 := permanent_positive x n). assert (h0 := h32_powers). assert (g0 := Rabs_pos (x i)).
+  assert (T0 : 0 <= taken n) by (apply lost_positive; [apply bpow_ge_0 | apply bpow_ge_0 | exact (keeps_range x _ (all_may_lose x))]).
+  unfold taken, Filters.taken in *. cbn [lost permanent].
+  assert (G : forall e, 0 <= gap h (fun i => Q2R (all h32Q i)) e <= h)
+    by (intros e; apply gap_range; [apply bpow_ge_0 | exact (keeps_range x _ (all_may_lose x))]).
+  assert (Gi := G (Given i 0)). assert (Gn := G n). set (gi := gap _ _ (Given i 0)) in *. set (gn := gap _ _ n) in *.
+  rewrite Rn. unfold of_product. assert (A := alpha_below 5 ltac:(lia)). simpl INR in A.
+  replace (alpha u32 (roundings (Given i 0))) with 0 by (unfold alpha; simpl; lra).
+  replace (Q2R rest_of_n) with (/ 2 ^ 40) in T
+    by (unfold Q2R, rest_of_n; simpl; lra). assert (u0 := u32_value). set (t := lost u32 h x _ n) in *.
+  assert (most_is : most <= 1001 / 1000) by (unfold most, Q2R; simpl; lra).
+  assert (B := alpha_at_least 5).
+  assert (G1 : Rabs (x i) * (t + gn) <= Rabs (x i) * (1001 / 1000 * / 2 ^ 40)) by (apply Rmult_le_compat_l; lra).
+  assert (G2 : (1 + alpha u32 5) * permanent x n <= 1001 / 1000 * (1001 / 1000)) by (apply Rmult_le_compat; lra).
+  assert (G3 : (1 + alpha u32 5) * permanent x n * (0 + gi) <= 1001 / 1000 * (1001 / 1000) * h).
+  { apply Rmult_le_compat; try lra. apply Rmult_le_pos; lra. }
+  assert (G4 : (0 + gi) * (t + gn) <= h * (1001 / 1000 * / 2 ^ 40)) by (apply Rmult_le_compat; lra).
+  set (al := alpha u32 5) in *. rewrite u0. lra.
+Qed.
+Lemma sum_loses a b p q : taken a <= p -> taken b <= q ->
+  taken (Add a b) <= (1 + / 16777216) * (p + q + 2 * h) + h /\ taken (Sub a b) <= (1 + / 16777216) * (p + q + 2 * h) + h.
+Proof.
+  intros P Q. assert (h0 := h32_positive).
+  assert (G : forall e, 0 <= gap h (fun i => Q2R (all h32Q i)) e <= h)
+    by (intros e; apply gap_range; [apply bpow_ge_0 | exact (keeps_range x _ (all_may_lose x))]).
+  unfold taken, Filters.taken in *. cbn [lost]. assert (Ga := G a). assert (Gb := G b). rewrite u32_value in *. lra.
+Qed.
+Definition n_x := normal b_y a_y c_z a_z b_z a_z c_y a_y.
+Definition n_y := normal b_z a_z c_x a_x b_x a_x c_z a_z.
+Definition n_z := normal b_x a_x c_y a_y b_y a_y c_x a_x.
+Lemma value_is_of_n : value =
+  Add (Add (Mul (Given eye_x 0) n_x) (Mul (Given eye_y 0) n_y))
+      (Sub (Mul (Given eye_z 0) n_z) (Add (Add (Mul (Given a_x 0) n_x) (Mul (Given a_y 0) n_y)) (Mul (Given a_z 0) n_z))).
+Proof. reflexivity. Qed.
+Lemma value_loses : taken value <= / 2 ^ 36 * (x E + x A) + 29 * h.
+Proof.
+  assert (P : permanent x n_x <= most /\ permanent x n_y <= most /\ permanent x n_z <= most).
+  { unfold products_of in *. cbn [permanent n_x n_y n_z normal]. repeat split; lra. }
+  assert (T : taken n_x <= Q2R rest_of_n /\ taken n_y <= Q2R rest_of_n /\ taken n_z <= Q2R rest_of_n)
+    by (repeat split; now apply normal_loses).
+  rewrite value_is_of_n. assert (h0 := h32_positive).
+  assert (Ex := product_loses eye_x n_x eq_refl ltac:(tauto) ltac:(tauto)).
+  assert (Ey := product_loses eye_y n_y eq_refl ltac:(tauto) ltac:(tauto)).
+  assert (Ez := product_loses eye_z n_z eq_refl ltac:(tauto) ltac:(tauto)).
+  assert (Ax := product_loses a_x n_x eq_refl ltac:(tauto) ltac:(tauto)).
+  assert (Ay := product_loses a_y n_y eq_refl ltac:(tauto) ltac:(tauto)).
+  assert (Az := product_loses a_z n_z eq_refl ltac:(tauto) ltac:(tauto)).
+  destruct (sum_loses _ _ _ _ Ax Ay) as [S1 _]. destruct (sum_loses _ _ _ _ S1 Az) as [S2 _].
+  destruct (sum_loses _ _ _ _ Ez S2) as [_ S3]. destruct (sum_loses _ _ _ _ Ex Ey) as [S4 _].
+  destruct (sum_loses _ _ _ _ S4 S3) as [S5 _].
+  assert (E0 := Rabs_pos (x eye_x)). assert (A0 := Rabs_pos (x a_x)). eapply Rle_trans; [exact S5 | lra].
+Qed.
+(* 2^-30 of the size is left for what is in proportion to it. *)
+Definition least_bound :=
+  Eval vm_compute in (3 * (1048577 # 1048576) * (rate u32Q value thrice + (1 # 2 ^ 30)) / (1 - (4 # 2 ^ 24)))%Q.
+
+Theorem error v s : computes32 x value v -> computes32 x thrice s -> 0 <= s ->
+  Rabs (v - real x value) <= Q2R constant * s + / 2 * Q2R bound_rest.
+Proof.
+  intros Cv Cs s0. assert (E0 := Rabs_pos (x eye_x)). assert (A0 := Rabs_pos (x a_x)).
+  assert (HE := Rabs_pos_eq (x E) ltac:(lra)). assert (HA := Rabs_pos_eq (x A) ltac:(lra)). assert (h0 := h32_powers).
+  assert (three : Q2R (3 * (1048577 # 1048576)) = 3145731 / 1048576) by (unfold Q2R; simpl; lra).
+  assert (real_is : real x thrice = permanent x thrice).
+  { cbv [thrice size real permanent]. rewrite !HE, HA, Rabs_pos_eq; [reflexivity | lra]. }
+  assert (N := error_but_taken x (all h32Q) value thrice (constant - (1 # 1073741824)) v s (all_may_lose x)
+    ltac:(vm_compute; reflexivity) ltac:(vm_compute; reflexivity) products real_is Cv Cs).
+  fold (taken value) (taken thrice) in N. assert (L := value_loses).
+  assert (T : taken thrice <= 20 * h).
+  { unfold taken, Filters.taken. cbn -[u32 h32 Q2R]. unfold all. rewrite three, h32_is, u32_value, Rabs_pos_eq by lra. lra. }
+  assert (s_is : 3 * (x E + x A) * (999 / 1000) <= s + 40 * h).
+  { assert (F := near32 x thrice s Cs). unfold lost32 in F. cbn -[u32 h32 alpha Q2R] in F.
+    rewrite !HE, HA, three, (Rabs_pos_eq (3145731 / 1048576)) in F by lra.
+    assert (B := alpha_below 2 ltac:(lia)). simpl INR in B.
+    assert (G := Rmult_le_compat_r (3145731 / 1048576 * (x E + x A)) _ _ ltac:(lra) B).
+    set (al := alpha u32 2) in *. rewrite u32_value in F. apply between in F. lra. }
+  rewrite Q2R_minus in N. replace (Q2R (1 # 1073741824)) with (/ 2 ^ 30) in N by (unfold Q2R; simpl; lra).
+  assert (c1 : 0 <= Q2R constant <= / 1000).
+  { split; [rewrite <- Q2R_0' | replace (/ 1000) with (Q2R (1 # 1000)) by (unfold Q2R; simpl; lra)]; apply Qle_Rle;
+    apply Qle_bool_iff; vm_compute; reflexivity. }
+  assert (T0 : 0 <= taken thrice)
+    by (apply lost_positive; [apply bpow_ge_0 | apply bpow_ge_0 | exact (keeps_range x _ (all_may_lose x))]).
+  assert (rest : Q2R ((60 # 1) * h32Q) <= Q2R bound_rest) by (apply Qle_Rle, Qle_bool_iff; vm_compute; reflexivity).
+  rewrite Q2R_mult, h32_is in rest. replace (Q2R (60 # 1)) with 60 in rest by (unfold Q2R; simpl; lra).
+  assert (C2 : (Q2R constant - / 2 ^ 30) * taken thrice <= / 1000 * (20 * h)).
+  { eapply Rle_trans; [apply Rmult_le_compat_r; [exact T0 |] | apply Rmult_le_compat_l; [| exact T]]; lra. }
+  lra.
 Qed.
 End Plane.
 Definition constants := Eval vm_compute in shown least_bound bound_constant.
