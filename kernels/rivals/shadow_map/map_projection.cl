@@ -219,7 +219,7 @@ static Rectangle quantised_bounds(const ViewPlan* plan, const PlannedView* view,
     slice_corners(plan, depths.x, depths.y, corners);
     Rectangle slice = bounds_of_vertices(view, corners, 8), box = bounds_of_box(view, scene);
     float2 level = 0.5f * (box.high - box.low) / 64.0f, half_width = 0.5f * (slice.high - slice.low);
-    // A scene that is flat along an axis has no levels there.
+    // A scene in which no vertex is present has no levels. (A flat one has the levels of its margin.)
     float2 rounded = select(half_width, ceil(half_width / level) * level, level > 0.0f);
     return snapped_rectangle(0.5f * (slice.low + slice.high), rounded, plan->map_size);
 }

@@ -283,6 +283,32 @@ TEST(Partition, QuantisedViewsAreWhole64thsOfTheSceneAlongEachAxis) {
     EXPECT_GT(std::fabs(levels[0] - levels[1]), 2) << "the test would not see one square for both axes";
 }
 
+/// Whether all of these are numbers.
+bool are_finite(const float* values, int count) {
+    return std::all_of(values, values + count, [](float value) { return std::isfinite(value); });
+}
+
+// A scene that is flat along an axis of the map has 64ths there all the same, of its box's margin. One in which no
+// vertex is present has none: its view is the slice.
+TEST(Partition, QuantisedViewsAreNumbersWhereTheSceneHasNoWidth) {
+    const Settings settings{{"fit", "quantised"}, {"near", "1"}, {"far", "40"}, {"depth-range", "planes"}};
+    Scene scene;
+    const float absent = std::numeric_limits<float>::quiet_NaN();
+    const Floats flat{-60, 0, -60, 60, 0, -60, 60, 0, 60}, nothing(9, absent), one_point{1, 2, 3, 1, 2, 3, 1, 2, 3};
+    // From ahead: the floor is a line for it.
+    const gnomon::Light light = gnomon::Light::directional({0, 0, -1});
+    for (const Floats& vertices : {flat, nothing, one_point}) {
+        scene.triangles = gnomon::Triangles::upload(scene.device, vertices);
+        const MapView view = fit(scene, light, settings).views.at(0);
+        SCOPED_TRACE(vertices[3]);
+        for (const float* row : {&view.row_u[0], &view.row_v[0], &view.row_w[0], &view.row_depth[0]})
+            EXPECT_TRUE(are_finite(row, 4));
+        for (const double x : {-0.9, 0.9})
+            for (const double z : {1.5, 39.0})
+                EXPECT_TRUE(is_inside(place(view, from_camera(scene, x, x, z)))) << x << " " << z;
+    }
+}
+
 // The masks themselves: the same points, seen by a camera that creeps by fractions of a texel.
 TEST(Partition, StabilisedMasksStayAsTheyAre) {
     const Scene scene;
