@@ -90,6 +90,8 @@ const SettingsTable<Settings>& settings_table() {
          setting::number(&S::negative_exponent, 0.1, 42)},
         {{"bleeding", "0", "visibility below this becomes 0, the rest is stretched: against light bleeding, 0 to 0.99"},
          setting::number(&S::bleeding, 0, 0.99)},
+        {{"threshold", "0", "of store exponential: subtracted from visibility before it is limited to 0 to 1, 0 to 1"},
+         setting::number(&S::threshold, 0, 1)},
         {{"moment-bias", "auto",
           "of moments: share of a constant mixed in, 0 to 1; of the others: least deviation of depth; auto: the "
           "store's"},

@@ -51,7 +51,7 @@ GN_STRUCT_BEGIN(StorePlan)
     float width;         // of the lookup's box in summed areas, texels
     float summed_scale;  // fixed point: 1 is this much
     uint mips;           // levels of the mip chain beside level 0 (below); 0: none
-    uint padding;
+    float threshold;     // exponential: subtracted from visibility before it is limited to [0, 1]
 GN_STRUCT_END(StorePlan, 64)
 
 // One axis of the Gaussian prefilter.

@@ -194,6 +194,27 @@ TEST(VisibilityBounds, ExponentialLimit) {
     }
 }
 
+// Survey 120: saturate(exp(-c t) E[exp(c (z + offset))] - threshold). The offset lets the product exceed 1 at the
+// surface itself, so what is subtracted there is subtracted from more than 1.
+TEST(VisibilityBounds, ExponentialThresholdIsSubtractedBeforeTheLimits) {
+    constexpr float offset = 0.02f;
+    StorePlan plan = plan_of(STORE_EXPONENTIAL, 1);
+    std::vector<Question> asked;
+    for (int i = 0; i <= 60; ++i) asked.push_back({{{0.7, 0.5}, {0.3, 0.1}}, 0.2 + 0.01 * i});
+    for (const float threshold : {0.0f, 0.1f, 0.3f}) {
+        plan.threshold = threshold;
+        std::vector<Question> biased = asked;
+        for (Question& question : biased) question.t -= offset;  // as lookups subtract constant-bias
+        const std::vector<float> lit = estimates(plan, biased);
+        for (std::size_t i = 0; i < lit.size(); ++i) {
+            double mean = 0;
+            for (const auto& [weight, z] : asked[i].depths) mean += weight * std::exp(plan.exponent * (z + offset));
+            const double printed = std::exp(-plan.exponent * asked[i].t) * mean - threshold;
+            EXPECT_NEAR(lit[i], std::clamp(printed, 0.0, 1.0), 1e-5) << threshold << " " << asked[i].t;
+        }
+    }
+}
+
 // The share of a Gaussian is below what any distribution may have, and 1 - Phi is known: doubled, 0.3173 at one sigma.
 TEST(VisibilityBounds, GaussianShare) {
     const auto asked = questions(3, false);
