@@ -267,19 +267,22 @@ static float4 unit_row(float4 row, float4 row_w, float low, float high) { return
 
 // Largest ratios of a texel of unit resolution to a pixel over the vertices. A texel is 1 / |gradient| wide, a pixel in
 // proportion to the camera depth: so these are Lloyd's R_s and R_t (2007, eq. 4.5) but for factors that all views
-// share.
-static void measure_errors(const ViewPlan* plan, const MapView* map, const float4* vertices, int count, float* error_u,
-                           float* error_v) {
+// share. `normal`: texels are measured along the plane with this unit normal; 0: across the light.
+static void measure_errors(const ViewPlan* plan, const MapView* map, const Polyhedron* body, float3 normal,
+                           float* error_u, float* error_v) {
     float4 row_u = map->row_u, row_v = map->row_v, row_w = map->row_w;
     *error_u = *error_v = 0.0f;
-    for (int i = 0; i < count; ++i) {
-        float3 at = ray_position(row_u, row_v, row_w, vertices[i]);
+    for (int i = 0; i < body->count; ++i) {
+        float4 vertex = body->vertices[i];
+        float3 at = ray_position(row_u, row_v, row_w, vertex);
         float3 along_u = (row_u.xyz - row_w.xyz * at.x) / at.z, along_v = (row_v.xyz - row_w.xyz * at.y) / at.z;
+        along_u -= normal * dot3(normal, along_u);
+        along_v -= normal * dot3(normal, along_v);
         float slope = 1.0f;
         if (map->warp == WARP_LOGARITHMIC)
             slope = map->log_strength /
                     ((1.0f + map->log_strength * clamp(at.y, 0.0f, 1.0f)) * log(1.0f + map->log_strength));
-        float z = dot3(plan->forward.xyz, vertices[i].xyz - plan->eye.xyz);
+        float z = dot3(plan->forward.xyz, vertex.xyz - plan->eye.xyz);
         *error_u = fmax(*error_u, 1.0f / (sqrt(dot3(along_u, along_u)) * z));
         *error_v = fmax(*error_v, 1.0f / (slope * sqrt(dot3(along_v, along_v)) * z));
     }
@@ -316,14 +319,37 @@ static MapView map_view_of(const ViewPlan* plan, const PlannedView* view, SceneB
     return map;
 }
 
-// The corners of a side of the view frustum, at which its errors are measured.
-static int side_vertices(const ViewPlan* plan, const PlannedView* view, uint side, float4* vertices) {
+// The corners of a side of the view frustum.
+static void side_vertices(const ViewPlan* plan, const PlannedView* view, uint side, float3* corners) {
     // Sides of slice_corner's numbering, in the order of frustum_side.
     const int sides[6] = {1, 0, 3, 2, 5, 4};
     for (int i = 0; i < 4; ++i)
-        vertices[i] =
-            (float4)(slice_corner(plan, view->near_depth, view->far_depth, side_corners[sides[side]][i]), 1.0f);
-    return 4;
+        corners[i] = slice_corner(plan, view->near_depth, view->far_depth, side_corners[sides[side]][i]);
+}
+
+// The places at which the errors of a side are taken (Lloyd 2007, 6.4): its corners for a directional light, for a
+// point light the place nearest to it.
+static void make_side_body(const ViewPlan* plan, const PlannedView* view, uint side, Polyhedron* body) {
+    float3 corners[4];
+    side_vertices(plan, view, side, corners);
+    body->count = is_directional(plan) ? 4 : 1;
+    if (!is_directional(plan)) corners[0] = nearest_on_side(corners, plan->light.xyz);
+    for (int i = 0; i < body->count; ++i) body->vertices[i] = (float4)(corners[i], 1.0f);
+}
+
+// For a point light inside the view frustum the errors of its sides are taken without the cosine of the light's angle
+// to the side (Lloyd 2007, 6.4): texels are measured along the side, whose normal this is. Else 0.
+static float3 normal_of_side(const ViewPlan* plan, const PlannedView* view, uint side) {
+    if (plan->partition != PARTITION_FACES || is_directional(plan)) return (float3)(0.0f);
+    float3 from_eye = plan->light.xyz - plan->eye.xyz;
+    float z = dot3(plan->forward.xyz, from_eye);
+    if (!(z > view->near_depth) || !(z < view->far_depth) ||
+        !(fabs(dot3(plan->right.xyz, from_eye)) < plan->right.w * z) ||
+        !(fabs(dot3(plan->up.xyz, from_eye)) < plan->up.w * z))
+        return (float3)(0.0f);
+    float3 corners[4];
+    side_vertices(plan, view, side, corners);
+    return unit3(cross3(corners[1] - corners[0], corners[2] - corners[0]));
 }
 
 // What the view's rectangle is fitted to and its errors are measured at; empty if neither is asked for, since one item
@@ -333,7 +359,7 @@ static void make_body(const ViewPlan* plan, const PlannedView* view, SceneBox sc
     if (!has_camera(plan) || plan->partition == PARTITION_CUBE) return;
     if (plan->shares_resolution == 0u && (plan->fit != FIT_FRUSTUM || plan->partition == PARTITION_FACES)) return;
     if (plan->partition == PARTITION_FACES)
-        body->count = side_vertices(plan, view, i, body->vertices);
+        make_side_body(plan, view, i, body);
     else
         make_slice_body(plan, view, scene, body);
 }
@@ -360,7 +386,8 @@ __kernel void map_projection_fit(ViewPlan world_plan, __global const KeyBounds* 
                 map.blend_from = fmax(planned[FIRST_VIEW + i + 1].cover_near, view.near_depth);
         }
         float error_u = is_off ? 0.0f : 1.0f, error_v = error_u;
-        if (!is_off && body.count != 0) measure_errors(&plan, &map, body.vertices, body.count, &error_u, &error_v);
+        if (!is_off && body.count != 0)
+            measure_errors(&plan, &map, &body, normal_of_side(&plan, &view, i), &error_u, &error_v);
         planned[FIRST_VIEW + i].error_u = error_u;
         planned[FIRST_VIEW + i].error_v = error_v;
         maps[i] = map;

@@ -589,6 +589,61 @@ TEST(Projection, SharedTexelsEvenTheErrorsOut) {
     }
 }
 
+/// A place on a long side of the view frustum, `across` in [-1, 1] from its one edge to the other and `z` far away.
+/// Sides as in frustum_side: right, left, up, down.
+Double3 on_long_side(const Scene& scene, int side, double across, double z) {
+    const double end = side % 2 == 0 ? 1 : -1;
+    return side / 2 == 0 ? from_camera(scene, end, across, z) : from_camera(scene, across, end, z);
+}
+
+// Thesis 6.4: for a point light the error of a side is that of its place nearest to the light, and for one inside the
+// view texels are measured along the side. The place is found by trying many, the texels' size by steps along the side.
+TEST(Projection, PointLightsShareTexelsByTheNearestPlaces) {
+    Scene scene;
+    for (const auto& [is_inside_view, light] :
+         {std::pair{true, gnomon::Light::point({3, 6, 4})}, {false, gnomon::Light::point({-40, 9, 10})}}) {
+        SCOPED_TRACE(is_inside_view ? "inside the view" : "outside");
+        Settings settings = whole_frustum_of("logpsm");
+        settings.emplace_back("partition", "faces");
+        settings.emplace_back("share-texels", "on");
+        const Fitted fitted = fit(scene, light, settings, 1024);
+        const Double3 at_light = loaded(light.xyzw.data());
+        std::vector<double> errors;
+        for (int side = 0; side < 4; ++side) {
+            const MapView& view = fitted.views[side];
+            if (view.width == 0) continue;
+            double across = 0, z = 0, least = 1e30;
+            for (int i = 0; i <= 1000; ++i)
+                for (int k = 0; k <= 1000; ++k) {
+                    const double x = 0.002 * i - 1, depth = 4 + 0.096 * k;
+                    const double far = length(on_long_side(scene, side, x, depth) - at_light);
+                    if (far < least) least = far, across = x, z = depth;
+                }
+            const Double3 p = on_long_side(scene, side, across, z);
+            Double3 first = on_long_side(scene, side, across + 0.1, z) - p,
+                    second = on_long_side(scene, side, across, z + 1) - p;
+            gnomon::make_unit(first);
+            second -= first * dot(first, second);
+            gnomon::make_unit(second);
+            const double k = view.log_strength, v = place(view, p).v;
+            const double warp = view.warp == WARP_LOGARITHMIC ? k / ((1 + k * v) * std::log1p(k)) : 1;
+            const auto steepness = [&](double SceneBox::*value) {
+                const double step = 1e-3;
+                const auto along = [&](const Double3& d) {
+                    return (place(view, p + d * step).*value - place(view, p - d * step).*value) / (2 * step);
+                };
+                const double a = along(first), b = along(second), c = along(cross(first, second));
+                return std::sqrt(a * a + b * b + (is_inside_view ? 0 : c * c));
+            };
+            errors.push_back(1 / (steepness(&SceneBox::u) * view.width * z));
+            errors.push_back(1 / (steepness(&SceneBox::v) * warp * view.height * z));
+        }
+        ASSERT_GE(errors.size(), 4u) << "the test would compare nothing";
+        const auto [lowest, greatest] = std::minmax_element(errors.begin(), errors.end());
+        EXPECT_LT(*greatest / *lowest, 1.03);
+    }
+}
+
 TEST(Projection, BadSettingsAreOneClearSentence) {
     gnomon::ViewFit stage;
     for (const auto& [name, value] : Settings{{"cascades", "0"},
