@@ -74,7 +74,8 @@ def rows_of(data: list[dict[str, Any]]) -> Rows:
         mode = "" if row["mode"] == "animated" else f"({row['mode']})"
         if row["technique"] != "embree" or not device:  # which has no OpenCL device: it belongs to the rows before it
             device = row["device"]
-        row["name"] = " ".join([row["technique"], *row["settings"].split(), mode]).strip()
+        settings = row.get("asked", row["settings"])  # as it was before it was put on equal terms
+        row["name"] = " ".join([row["technique"], *settings.split(), mode]).strip()
         row["size"] = f"{row['width']}x{row['height']}"
         row["seen"] = f"{row['scene']} {row['view']}.{row['light']}"
         row["title"] = f"{row['seen']}, {row['size']}, {device}"

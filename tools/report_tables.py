@@ -346,10 +346,30 @@ def pareto_front(view: Rows) -> Rows:
     return front
 
 
+def alternatives(rows: Rows) -> list[Line]:
+    """Milliseconds of the shadows, medians; the ratio to the way before is that of the rounds. Pixels: that the sides of
+    volumes were counted in."""
+    lines = []
+    for title, view in views_of(good(rows)).items():
+        before: dict[str, Row] = {}
+        for row in view:
+            line = {"view": title, "technique": row["name"], "ms": times(row), "of the first": "", "same mask": "",
+                    "wrong": spaced(row["errors/wrong"]), "pixels": spaced(row["counts/pixels_written"])}
+            if first := before.setdefault(row["technique"], row):
+                line["of the first"] = ratio(row, first, "shadow")
+                line["same mask"] = "yes" if row["mask_hash"] == first["mask_hash"] else "no"
+            lines.append(line)
+    return lines
+
+
 def techniques(rows: Rows) -> list[Line]:
     """Milliseconds (median) and share of wrong points. Bold: on the view's front, where no other is both faster and
-    less wrong."""
+    less wrong. Terms: texels of all maps in the first view, and what they fit; a size in a name is that of one map with
+    as many texels."""
     lines: dict[str, Line] = {row["name"]: {"technique": row["name"]} for row in rows}
+    for row in rows:
+        if "terms" in row:
+            lines[row["name"]].setdefault("terms", row["terms"])
     for title, view in views_of(rows).items():
         on_front = {row["name"] for row in pareto_front(view)}
         for row in view:
@@ -375,7 +395,7 @@ EACH_VIEW = "each view"  # a table for each, with its name as its title
 BESIDE_EMBREE: tuple[str, Maker] = ("gnomon beside Embree", rivals)
 TABLES: dict[str, list[tuple[str, Maker]]] = {
     "times": [(EACH_VIEW, errors), BESIDE_EMBREE], "errors": [(EACH_VIEW, errors), BESIDE_EMBREE],
-    "techniques": [("", techniques)], "bias": [(EACH_VIEW, bias)], "soft": [(EACH_VIEW, soft)],
+    "techniques": [("", techniques)], "alternatives": [("", alternatives)], "bias": [(EACH_VIEW, bias)], "soft": [(EACH_VIEW, soft)],
     "rivals": [BESIDE_EMBREE, ("Embree's settings", settings_of_rivals), ("", stages)],
     "growth_in_triangles": [("", growth)], "growth_in_points": [("", growth)], "memory": [("", memory)],
     "skips": [("", skips)], "figure5": [("", stages), ("", maps)], "auto": [("", maps)], "clusters": [("", clusters)],

@@ -448,6 +448,36 @@ TEST(BenchParts, EveryTechniqueHasOneFamily) {
     EXPECT_EQ(all, in_families);
 }
 
+// By the statistics of the techniques themselves: all maps of a technique have the texels of one.
+TEST(BenchParts, EqualTermsAreEqualTexelsAndOneFit) {
+    SceneShelf shelf("", "");
+    const NamedScene& scene = shelf.get("sundial");
+    const Place place("", scene, false);
+    const Seen seen = seen_in(place, scene.cases.at(0), {96, 54});
+    int several_maps = 0;
+    for (const Light& light : {Light::directional({-0.4f, -1, -0.3f}), Light::point({1, 3, 2})})
+        for (Configuration configuration : default_configurations()) {
+            put_on_equal_terms(configuration, 64, !light.is_directional());
+            SCOPED_TRACE(configuration.technique + ": " + configuration.terms);
+            const Statistics statistics =
+                make(configuration, place.device)->run(place.triangles, seen.view.points, light, seen.visibility);
+            const bool shares_texels = configuration.technique == "logpsm-faces";  // which has room for its largest
+            for (const auto& [name, count] : statistics.counts) {
+                if (name == "map_views") several_maps += count > 1;
+                if (name == "map_texels" && configuration.terms != "its own" && !shares_texels) {
+                    EXPECT_NEAR(double(count), 64 * 64, 0.05 * 64 * 64);
+                }
+            }
+            const bool has_own_fit = configuration.technique.find("ised-cascades") != std::string::npos;
+            EXPECT_EQ(configuration.terms.ends_with(", receivers"), configuration.terms != "its own" && !has_own_fit);
+            EXPECT_TRUE(configuration.asked.empty());
+        }
+    EXPECT_GT(several_maps, 30) << "the test would compare single maps alone";
+    Configuration asked{"pssm", {{"size", "512"}, {"fit", "frustum"}}};
+    put_on_equal_terms(asked, 64, false);
+    EXPECT_EQ(asked.terms, "4 x 256², frustum");
+}
+
 // The sweep and the experiments name techniques and settings by hand: what they name must be there.
 TEST(BenchParts, EverySettingThatIsSweptCanBeSet) {
     const Device device;

@@ -38,6 +38,8 @@ Row row_of(const Configuration& configuration, const Seen& seen) {
     // A hard shadow is no exact answer where the truth is soft.
     row.exact = is_exact(row.technique) && seen.sun_angle_degrees.has_value() == (configuration.sun_samples != 0);
     row.mode = configuration.mode;
+    row.asked = configuration.asked;
+    row.terms = configuration.terms;
     return row;
 }
 

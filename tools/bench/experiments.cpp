@@ -88,17 +88,20 @@ std::vector<Block> techniques_and_settings(const SceneShelf& shelf, const Limits
     const Limits limits = of_sweeps(all_limits);
     const std::vector<Size> sizes = within(limits, {full_hd});
     std::vector<Block> blocks;
-    const auto add = [&](const SceneView& view) {
-        blocks.push_back(
-            block_of("techniques", view, sizes,
-                     limits.all_views ? swept_configurations(limits.swept_map) : default_configurations()));
-        blocks.back().errors = true;
+    const auto add = [&](const SceneView& view, const std::optional<OtherLight>& light = std::nullopt) {
+        Block block = block_of("techniques", view, sizes,
+                               limits.all_views ? swept_configurations(limits.swept_map) : default_configurations());
+        for (Configuration& configuration : block.configurations)
+            put_on_equal_terms(configuration, std::min(2048u, limits.swept_map),
+                               light && !light->light.is_directional());
+        block.light = light;
+        block.errors = true;
+        blocks.push_back(std::move(block));
     };
     // Of the small report, Sponza is in `errors` already, and two more scenes are enough.
     if (const std::string sponza = shelf.in_folder("sponza.glb"); !sponza.empty() && limits.all_views) {
         add({sponza, "atrium_floor.noon_slant"});
-        add({sponza, "atrium_floor.position"});
-        blocks.back().light = {"position", Light::point({-100, 700, -30})};
+        add({sponza, "atrium_floor.position"}, OtherLight{"position", Light::point({-100, 700, -30})});
     }
     add({made("city", 1'000'000, limits), "v1.sun"});
     if (limits.all_views) add({made("foliage", 1'000'000, limits), "v1.sun"});
@@ -112,6 +115,26 @@ std::vector<Block> bias(const SceneShelf& shelf, const Limits& all_limits) {
     for (const SceneView& view : usual_views(shelf, limits)) {
         blocks.push_back(block_of("bias", view, within(limits, {full_hd}), bias_configurations()));
         blocks.back().errors = true;
+    }
+    return blocks;
+}
+
+// ---- The same mask by other means -----------------------------------------------------------------------------------
+
+// What the documents time: cascades in an array or in an atlas, and volumes with or without the sides that neighbours
+// share.
+std::vector<Block> alternatives(const SceneShelf& shelf, const Limits& all_limits) {
+    const Limits limits = of_sweeps(all_limits);
+    std::vector<Configuration> configurations;
+    const auto add = [&](const char* name, const char* key, const char* first, const char* second) {
+        for (const char* value : {first, second}) configurations.push_back({name, {{key, value}}});
+    };
+    for (const char* cascades : {"pssm", "sdsm"}) add(cascades, "storage", "array", "atlas");
+    add("shadow-volumes", "cancel", "off", "on");
+    std::vector<Block> blocks;
+    for (const SceneView& view : usual_views(shelf, limits)) {
+        blocks.push_back(block_of("alternatives", view, within(limits, {hd}), configurations));
+        blocks.back().errors = blocks.back().take_turns = true;
     }
     return blocks;
 }
@@ -361,8 +384,14 @@ const std::vector<Experiment>& experiments() {
          errors},
         {"techniques", "Every technique in four scenes",
          "Run time against error of every technique; at full size with the settings worth comparing, and in Sponza "
-         "under a sun and a point light besides the three made scenes.",
+         "under a sun and a point light besides the three made scenes. Maps have equal texels: 2048 x 2048, or where a "
+         "size is asked for its square, which cascades, sides and a point light's faces share; and they fit the "
+         "receivers unless a technique defines its own fit.",
          techniques_and_settings},
+        {"alternatives", "The same mask by other means",
+         "Cascades in an array of maps or side by side in an atlas, and shadow volumes with or without the sides that "
+         "neighbouring triangles share. All take turns.",
+         alternatives},
         {"bias", "Bias: acne against peter-panning",
          "The same map of 2048 x 2048 with constant, slope-scaled, adaptive and dual-layer bias of several strengths.",
          bias},

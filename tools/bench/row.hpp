@@ -50,6 +50,8 @@ struct Row {
     std::uint64_t triangles = 0;
     std::string technique;
     Settings settings;
+    Settings asked;      ///< of a comparison on equal terms: the settings before (Configuration)
+    std::string terms;   ///< these terms; else empty
     bool exact = false;  ///< the technique promises no wrong point
     std::string mode;    ///< animated, moving or static: see Configuration
     std::string device, driver;

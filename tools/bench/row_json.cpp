@@ -90,6 +90,10 @@ Json to_json(const Row& row) {
               {"device", row.device},
               {"driver", row.driver},
               {"points_hash", row.points_hash}};
+    if (!row.terms.empty()) {
+        json["asked"] = text_of(row.asked);
+        json["terms"] = row.terms;
+    }
     if (row.camera) json["camera_ms"] = times_json(*row.camera);
     if (!row.failed.empty()) {
         json["failed"] = row.failed;

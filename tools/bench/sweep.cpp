@@ -28,6 +28,7 @@ std::vector<Sweep> sweeps() {
         {"shadow-map", {{"constant-bias", {"0", "0.001"}}, {"slope-bias", {"0"}}, {"size", {"512", "2048", "8192"}}}},
         // The 12-tap soft map.
         {"gaussian-12-tap", {{"size", {"512", "1024", "4096", "8192"}}}},
+        {"gaussian-12-tap", {{"slope-bias", {"4"}}, {"constant-bias", {"0.0001"}}}},
         {"pcf", {{"size", {"512", "4096"}}}},
         {"msm64", {{"size", {"512", "4096"}}}},
         {"lispsm", {{"size", {"512", "4096"}}}},
@@ -37,8 +38,9 @@ std::vector<Sweep> sweeps() {
         {"sdsm", {{"size", {"512", "4096"}}}},
         {"sdsm", {{"blend", {"on"}}}},
         {"stabilised-cascades", {{"blend", {"on"}}}},
-        {"sub-pixel", {{"map-size", {"512", "2048", "4096"}}}},
-        {"conservative-map", {{"map-size", {"512", "2048", "4096"}}}},
+        {"pssm", {{"fit", {"frustum"}}}},
+        {"sub-pixel", {{"map-size", {"512", "1024", "4096"}}}},
+        {"conservative-map", {{"map-size", {"512", "1024", "4096"}}}},
         {"virtual-shadow-map", {{"detail", {"0.5", "2", "4"}}}},
     };
 }
@@ -51,6 +53,31 @@ std::vector<Sweep> bias_sweeps() {
         {"adaptive-bias", {{"constant-bias", {"0", "0.0001", "0.001", "0.01"}}}},
         {"dual-layer", {{"dual-limit", {"0.001", "0.05", "1"}}, {"constant-bias", {"0", "0.00001", "0.001"}}}},
     };
+}
+
+TechniqueDescription description_of(const Configuration& configuration) {
+    for (const TechniqueDescription& technique : techniques())
+        if (technique.name == configuration.technique) return technique;
+    throw InvalidArgument("there is no technique " + configuration.technique);
+}
+
+/// A setting's value, or its default; empty where the technique has no such setting.
+std::string value_of(const Configuration& configuration, const std::string& name) {
+    for (const auto& [key, value] : configuration.settings)
+        if (key == name) return value;
+    for (const SettingDescription& setting : description_of(configuration).settings)
+        if (setting.name == name) return setting.default_value;
+    return {};
+}
+
+bool is_asked(const Configuration& configuration, const std::string& name) {
+    return std::ranges::any_of(configuration.settings, [&](const auto& setting) { return setting.first == name; });
+}
+
+std::uint32_t map_count(const Configuration& configuration, bool is_point_light) {
+    if (is_point_light || value_of(configuration, "partition") == "faces") return 6;
+    const std::string cascades = value_of(configuration, "cascades");
+    return cascades.empty() ? 1 : static_cast<std::uint32_t>(std::stoul(cascades));
 }
 
 std::vector<Settings> combinations(const Sweep& sweep) {
@@ -91,6 +118,23 @@ std::vector<Configuration> swept_configurations(std::uint32_t largest_map) {
                     configurations.push_back({technique.technique, std::move(settings)});
     }
     return configurations;
+}
+
+void put_on_equal_terms(Configuration& configuration, std::uint32_t usual_size, bool is_point_light) {
+    configuration.asked = configuration.settings;
+    configuration.terms = "its own";
+    const bool is_shadow_map = !value_of(configuration, "cascades").empty();
+    const std::string size = is_shadow_map ? "size" : "map-size";
+    if (description_of(configuration).exact || value_of(configuration, size).empty()) return;
+    const std::uint32_t maps = map_count(configuration, is_point_light);
+    const double whole = is_asked(configuration, size) ? std::stod(value_of(configuration, size)) : usual_size;
+    const auto side = static_cast<std::uint32_t>(whole / std::sqrt(maps));
+    std::erase_if(configuration.settings, [&](const auto& setting) { return setting.first == size; });
+    configuration.settings.emplace_back(size, std::to_string(side));
+    if (value_of(configuration, "fit") == "frustum" && !is_asked(configuration, "fit"))
+        configuration.settings.emplace_back("fit", "receivers");
+    configuration.terms = fmt::format("{}{}², {}", maps == 1 ? "" : fmt::format("{} x ", maps), side,
+                                      is_shadow_map ? value_of(configuration, "fit") : "receivers");
 }
 
 std::vector<Configuration> many_lights_configurations(std::size_t lights, bool is_height_field) {
