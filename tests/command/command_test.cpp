@@ -1692,6 +1692,8 @@ TEST_F(Command, AGalleryShowsEachTechniqueBesideTheTruth) {
     const std::string html = text_of(in_folder("page.html"));
     EXPECT_EQ(html.rfind("<!DOCTYPE html>", 0), 0u);
     EXPECT_EQ(html.find("http"), std::string::npos) << "a self-contained page asks for nothing";
+    for (const char* part : {"<svg id=\"chart\"", "function chart()", "if (shown.length) chart();"})
+        EXPECT_NE(html.find(part), std::string::npos) << "the page draws no run time against error: " << part;
     const nlohmann::json data = page_data(html);
     EXPECT_EQ(data.at("title"), "gnomon: a<!--<script>b.gltf");
     ASSERT_EQ(data.at("exhibits").size(), 3u);
