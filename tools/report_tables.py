@@ -347,18 +347,18 @@ def pareto_front(view: Rows) -> Rows:
 
 
 def alternatives(rows: Rows) -> list[Line]:
-    """Milliseconds of the shadows, medians; the ratio to the way before is that of the rounds. Pixels: that the sides of
-    volumes were counted in."""
+    """Milliseconds of the shadows, medians; ratios to the technique's first row are medians of the rounds. Pixels: of the
+    sides of volumes."""
     lines = []
     for title, view in views_of(good(rows)).items():
-        before: dict[str, Row] = {}
+        firsts: dict[str, Row] = {}
         for row in view:
-            line = {"view": title, "technique": row["name"], "ms": times(row), "of the first": "", "same mask": "",
-                    "wrong": spaced(row["errors/wrong"]), "pixels": spaced(row["counts/pixels_written"])}
-            if first := before.setdefault(row["technique"], row):
-                line["of the first"] = ratio(row, first, "shadow")
-                line["same mask"] = "yes" if row["mask_hash"] == first["mask_hash"] else "no"
-            lines.append(line)
+            first = firsts.setdefault(row["technique"], row)
+            lines.append({
+                "view": title, "technique": row["name"], "ms": times(row), "of the first": ratio(row, first, "shadow"),
+                "same mask": "yes" if row["mask_hash"] == first["mask_hash"] else "no",
+                "wrong": spaced(row["errors/wrong"]), "pixels": spaced(row["counts/pixels_written"]),
+            })
     return lines
 
 
@@ -395,7 +395,8 @@ EACH_VIEW = "each view"  # a table for each, with its name as its title
 BESIDE_EMBREE: tuple[str, Maker] = ("gnomon beside Embree", rivals)
 TABLES: dict[str, list[tuple[str, Maker]]] = {
     "times": [(EACH_VIEW, errors), BESIDE_EMBREE], "errors": [(EACH_VIEW, errors), BESIDE_EMBREE],
-    "techniques": [("", techniques)], "alternatives": [("", alternatives)], "bias": [(EACH_VIEW, bias)], "soft": [(EACH_VIEW, soft)],
+    "techniques": [("", techniques)], "alternatives": [("", alternatives)], "bias": [(EACH_VIEW, bias)],
+    "soft": [(EACH_VIEW, soft)],
     "rivals": [BESIDE_EMBREE, ("Embree's settings", settings_of_rivals), ("", stages)],
     "growth_in_triangles": [("", growth)], "growth_in_points": [("", growth)], "memory": [("", memory)],
     "skips": [("", skips)], "figure5": [("", stages), ("", maps)], "auto": [("", maps)], "clusters": [("", clusters)],

@@ -106,6 +106,31 @@ def techniques():
     ]  # fmt: skip
 
 
+def test_equal_terms_name_a_row_by_what_was_asked():
+    terms = {"settings": "size=256 fit=receivers", "asked": "size=512", "terms": "4 x 256², receivers"}
+    assert lines_of([made("techniques", "pssm", errors=wrong(20), **terms)]) == [
+        {
+            "technique": "pssm size=512",
+            "terms": "4 x 256², receivers",
+            "city v0.sun, 100x10, cpu": "**2.00 ms, 2.00 %**",
+        }
+    ]
+
+
+def test_alternatives_stand_beside_the_first():
+    def way(settings, ms, mask="1", **counts):
+        runs = {"shadow": {"wall_ms": ms, "processor_ms": ms}}
+        return made("alternatives", "pssm", ms[0], settings=settings, runs=runs, mask_hash=mask, errors=wrong(3),
+                    counts=counts)  # fmt: skip
+
+    rows = [way("a=1", [4, 8, 6], pixels_written=1200), way("a=2", [2, 2, 3]), way("a=3", [4, 8, 6], mask="2")]
+    assert [cells[2:] for cells in cells_of(rows)] == [
+        ["4.00 ± 0", "1.00 ± 0", "yes", "3", "1\N{NO-BREAK SPACE}200"],
+        ["2.00 ± 0", "0.500 ± 0.0625", "yes", "3", ""],
+        ["4.00 ± 0", "1.00 ± 0", "no", "3", ""],
+    ]
+
+
 def test_bias_tells_acne_from_peter_panning():
     assert cells_of([made("bias", errors=wrong(7, 30))]) == [
         ["frustum-traced", "2.00 ± 0", "30", "3.00 %", "7", "0.700 %"]
