@@ -347,8 +347,8 @@ def pareto_front(view: Rows) -> Rows:
 
 
 def alternatives(rows: Rows) -> list[Line]:
-    """Milliseconds of the shadows, medians; ratios to the technique's first row are medians of the rounds. Pixels: of the
-    sides of volumes."""
+    """Milliseconds of the shadows, medians; ratios to the technique's first row are medians of the rounds. Pixels:
+    of the sides of volumes."""
     lines = []
     for title, view in views_of(good(rows)).items():
         firsts: dict[str, Row] = {}
