@@ -26,9 +26,9 @@ std::vector<Sweep> sweeps() {
         // The basic map (Williams 1978): no bias at all, a constant one, and the default, scaled by the slope.
         {"shadow-map", {{"size", {"512", "1024", "4096", "8192"}}}},
         {"shadow-map", {{"constant-bias", {"0", "0.001"}}, {"slope-bias", {"0"}}, {"size", {"512", "2048", "8192"}}}},
-        // The 12-tap soft map.
-        {"gaussian-12-tap", {{"size", {"512", "1024", "4096", "8192"}}}},
-        {"gaussian-12-tap", {{"slope-bias", {"4"}}, {"constant-bias", {"0.0001"}}}},
+        // The 12-tap soft map, with the bias of its source.
+        {"gaussian-12-tap",
+         {{"slope-bias", {"0"}}, {"constant-bias", {"0.003"}}, {"size", {"512", "1024", "2048", "4096", "8192"}}}},
         {"pcf", {{"size", {"512", "4096"}}}},
         {"msm64", {{"size", {"512", "4096"}}}},
         {"lispsm", {{"size", {"512", "4096"}}}},

@@ -16,7 +16,7 @@ inline constexpr ShadowMapPreset presets[] = {
     {"pcf", "percentage-closer filtering, the mean of 3 x 3 comparisons (Reeves, Salesin, Cook 1987)",
      "lookup=pcf taps=3 slope-bias=2.5"},
     {"gaussian-12-tap", "soft edges by 12 comparisons at Gaussian-distributed offsets (NVIDIA SDK 8, 2004)",
-     "lookup=twelve softness=1.5 slope-bias=0 constant-bias=0.003"},
+     "lookup=twelve softness=1.5 slope-bias=4"},
     {"fast-9x9", "smooth 9 x 9 filter that reads each texel once (Gruen 2010)", "lookup=gaussian taps=9 slope-bias=5"},
     {"adaptive-bias", "hard shadow map, each texel compared with the receiver's plane there (Dou et al. 2014)",
      "bias=adaptive"},
