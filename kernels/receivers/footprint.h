@@ -32,6 +32,8 @@
 #include "receivers/light_frame.h"
 
 #define FOOTPRINT_SLACK 1.01f
+// Is added to each of a row's sizes, and to their sum: more than underflow takes (tests/proofs/footprints.v).
+#define FOOTPRINT_NEAR 0x1p-90f
 // Bins (or texels) per side that a footprint may span; a larger footprint is mixed, whatever occluders there are.
 #if GN_LANES == 1
 #define FOOTPRINT_SPAN 3  // a GPU would wait longer for a few larger footprints than it takes to trace their samples
@@ -88,12 +90,14 @@ typedef struct GridFootprint {
 // One coordinate: `g` as above, `size` at least the magnitudes in it, `scale` 1 / W(C), `stretch` 1 / (1 - k).
 static void grid_coordinate(PointBlock g, PointBlock size, LaneFloat scale, LaneFloat stretch, LaneFloat k,
                             const FootprintBlock* f, LaneFloat* u, LaneFloat* v, LaneFloat* slack) {
+    size.x += FOOTPRINT_NEAR, size.y += FOOTPRINT_NEAR, size.z += FOOTPRINT_NEAR;
     *u = (g.x * f->u.x + g.y * f->u.y + g.z * f->u.z) * scale;
     *v = (g.x * f->v.x + g.y * f->v.y + g.z * f->v.z) * scale;
     LaneFloat sizes = size.x * (fabs(f->u.x) + fabs(f->v.x)) + size.y * (fabs(f->u.y) + fabs(f->v.y)) +
                       size.z * (fabs(f->u.z) + fabs(f->v.z));
     *slack = FOOTPRINT_SLACK * stretch *
-             (scale * ((size.x + size.y + size.z) * f->spread + (64.0f * GN_U) * sizes) + (fabs(*u) + fabs(*v)) * k);
+             (scale * ((size.x + size.y + size.z) * f->spread + (64.0f * GN_U) * sizes + FOOTPRINT_NEAR) +
+              (fabs(*u) + fabs(*v)) * k);
 }
 
 static GridFootprint project_footprint(__constant const Projection* projection, PointBlock centres,
