@@ -6,7 +6,7 @@ usage: check.py coq FOLDER | gappa      FOLDER: for Coq's files. Exit status 77:
 What Coq said is kept in FOLDER under a digest of the proof, the lemmas and Coq's version, and read again while it is so.
 
 Fails where a prover does not accept a proof; where the kernel's constant is below the least or more than twice as large,
-unless the proof says `loose: WHY`; where a proof assumes more than the axioms of the reals.
+unless the proof says `loose: WHY` (of one constant `loose others: WHY`); where a proof assumes more than the axioms of the reals.
 """
 import concurrent.futures
 import functools
@@ -56,7 +56,7 @@ def said_before(name, folder):
 
 def is_tight(name, what, least, kernel, text):
     ratio = kernel / least
-    loose = re.search(r"loose: ([^\n]*)", text)
+    loose = re.search(rf"loose(?: {what}s)?: ([^\n]*)", text)
     print(f"{name:16} {what:10} least {float(least):.5g}, kernel's {float(kernel):.5g}: {float(ratio):.4g} times"
           + (f" ({loose.group(1).rstrip(' *)')})" if loose and ratio > AT_MOST_TIMES else ""))
     return ratio >= 1 and (ratio <= AT_MOST_TIMES or loose is not None)
@@ -73,11 +73,11 @@ def check_coq(name, folder):
     good = "Print Assumptions" in text
     if not good:
         print(f"{name} does not print what it assumes")
-    assumed = set(re.findall(r"^(\w[\w.]*) ?(?::|$)", messages.split("Axioms:", 1)[-1], re.M)) - {"constants", "rests"}
+    assumed = set(re.findall(r"^(\w[\w.]*) ?(?::|$)", messages.split("Axioms:", 1)[-1], re.M)) - {"constants", "rests", "others"}
     if not assumed <= AXIOMS or "Axioms:" not in messages:
         print(f"{name} assumes {sorted(assumed - AXIOMS)}")
         good = False
-    found = re.findall(r"(constants|rests) =\s+\((\d+)%Z,\s+(\d+)%Z,\s+(\d+)%Z,\s+(\d+)%Z\)", messages)
+    found = re.findall(r"(constants|rests|others) =\s+\((\d+)%Z,\s+(\d+)%Z,\s+(\d+)%Z,\s+(\d+)%Z\)", messages)
     if not found:
         print(f"{name} names no constants")
     for what, *numbers in found:
