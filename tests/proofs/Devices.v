@@ -60,3 +60,31 @@ Qed.
 
 Lemma seen64_near v w : seen64 v w -> Rabs (w - v) <= 0.
 Proof. intros ->. rewrite Rminus_diag_eq, Rabs_R0 by reflexivity. lra. Qed.
+
+(* binary64 like binary32 above: denormals kept, flushed, or both by turns. *)
+Definition h64 := bpow radix2 (-1022).
+Definition rounds64_any s v :=
+  (exists choice, v = round radix2 (FLT_exp (-1074) 53) (Znearest choice) s) \/ (Rabs s < h64 /\ v = 0).
+Definition seen64_any v w := w = v \/ (Rabs v < h64 /\ w = 0).
+
+Lemma rounds64_any_near s v : rounds64_any s v -> Rabs (v - s) <= u64 * Rabs s + h64.
+Proof.
+  assert (u0 : 0 < u64) by apply bpow_gt_0. assert (S0 := Rabs_pos s).
+  intros [[choice ->] | [small ->]].
+  - destruct (error_N_FLT radix2 (-1074) 53 ltac:(lia) choice s) as [eps [eta [He [Hn [_ Hr]]]]].
+    rewrite Hr. replace (s * (1 + eps) + eta - s) with (eps * s + eta) by ring.
+    eapply Rle_trans; [apply Rabs_triang |]. rewrite Rabs_mult.
+    assert (Rabs eps <= u64) by (eapply Rle_trans; [apply He | unfold u64; simpl; lra]).
+    assert (Rabs eta <= h64).
+    { eapply Rle_trans; [apply Hn |]. assert (L := bpow_le radix2 (-1074) (-1022) ltac:(lia)).
+      assert (P := bpow_gt_0 radix2 (-1074)). unfold h64. lra. }
+    assert (Rabs eps * Rabs s <= u64 * Rabs s) by (apply Rmult_le_compat_r; auto). lra.
+  - rewrite Rminus_0_l, Rabs_Ropp. assert (0 <= u64 * Rabs s) by (apply Rmult_le_pos; lra). lra.
+Qed.
+
+Lemma seen64_any_near v w : seen64_any v w -> Rabs (w - v) <= h64.
+Proof.
+  assert (h0 : 0 < h64) by apply bpow_gt_0. intros [-> | [small ->]].
+  - rewrite Rminus_diag_eq, Rabs_R0 by reflexivity. lra.
+  - rewrite Rminus_0_l, Rabs_Ropp. lra.
+Qed.

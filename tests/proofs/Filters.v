@@ -759,6 +759,27 @@ Qed.
 Lemma alpha64_at_least k : 0 <= alpha u64 k.
 Proof. apply alpha_positive. apply bpow_ge_0. Qed.
 
+(* In double with what underflow takes, denormals kept or flushed. *)
+Definition computes64_any := computes u64 rounds64_any seen64_any.
+Definition lost64 x := lost u64 h64 x (fun _ => h64).
+Lemma u64_value : u64 = / 9007199254740992.
+Proof. unfold u64; simpl; lra. Qed.
+Lemma h64_positive : 0 < h64.
+Proof. apply bpow_gt_0. Qed.
+Lemma h64_below : h64 <= / 1606938044258990275541962092341162602522202993782792835301376.  (* 2^-200 *)
+Proof.
+  unfold h64. eapply Rle_trans; [apply (bpow_le radix2 (-1022) (-200)); lia |]. simpl. lra.
+Qed.
+Theorem near64_any x e v : computes64_any x e v ->
+  Rabs (v - real x e) <= alpha u64 (roundings e) * permanent x e + lost64 x e.
+Proof.
+  intros C. refine (computed_is_off u64 h64 (bpow_ge_0 _ _) (bpow_ge_0 _ _) rounds64_any seen64_any rounds64_any_near
+    seen64_any_near x (fun _ => h64) (fun _ => conj (bpow_ge_0 _ _) (Rle_refl h64)) _ e v C).
+  intros; now apply seen64_any_near.
+Qed.
+Lemma alpha64_is_below k : (k <= 16)%nat -> alpha (/ 9007199254740992) k <= INR k * (1 + / 1048576) * / 9007199254740992.
+Proof. intros H. rewrite <- u64_value at 1. now apply alpha64_below. Qed.
+
 (* Closes `permanent x value <= permanent x size`, where both are equal, and `real x size = permanent x size`. *)
 Ltac same_products :=
   intros; cbn; repeat (rewrite Rabs_mult || rewrite Rabs_Rabsolu || rewrite (Rabs_pos_eq (Rabs _ * _ + _)));
