@@ -5,8 +5,8 @@
      alpha_is_between          `low` and `high`, even after one more product, enclose the real alpha.
 
    Assumed: texels are whole numbers up to 255; both coordinates, real and computed, lie in the cell; the alpha is off by at
-   most alpha_error (cut_outs.v, with a side of 1) and from 0 to 1; no result is below 2^-1022 unless it is 0 (2^-50 covers
-   underflow: prose). A float is the same wherever it is used: `upper` and alpha_error are inputs of their own.
+   most alpha_error (cut_outs.v, with a side of 1) and from 0 to 1; alpha_error is 2^-51 at least, and 2^-52 of it is left, as the kernel adds 2^-50 and underflow takes 2^-97.
+   Denormals may be kept or flushed. A float is the same wherever it is used: `upper` and alpha_error are inputs of their own.
    In prose: the
    difference from the threshold rounds once, which changes no sign. Overflow: nothing exceeds 2^18. *)
 From Coq Require Import Reals QArith Qreals Lra Psatz.
@@ -81,29 +81,70 @@ Definition mean_of a := Add a (Mul (Sub lower a) (Diff at_y first_y)).
 Lemma mean_is : mean = mean_of upper.
 Proof. reflexivity. Qed.
 
-Lemma rounds_once s v : rounds64 s v -> Rabs (v - s) <= h * Rabs s.
-Proof. intros R. apply rounds64_near in R. replace u64 with h in R by (unfold u64; simpl; lra). lra. Qed.
-Lemma off_by v s b : Rabs (v - s) <= h * Rabs s -> Rabs s <= b -> Rabs (v - s) <= h * b.
-Proof. intros. eapply Rle_trans; [eassumption |]. apply Rmult_le_compat_l; lra. Qed.
-Lemma given_64 x i v : computed64 x (Given i 0) v -> v = x i.
+Local Notation computed := computes64_any.
+Local Notation few := (/ 1427247692705959881058285969449495136382746624).  (* 2^-150, more than underflow takes *)
+Lemma off_by v s b e : Rabs (v - s) <= h * Rabs s + e -> Rabs s <= b -> Rabs (v - s) <= h * b + e.
+Proof. intros. assert (h * Rabs s <= h * b) by (apply Rmult_le_compat_l; lra). lra. Qed.
+Lemma given_64 x i v : computed x (Given i 0) v -> v = x i.
 Proof.
-  intros [C _]. inversion C as [ | ? ? ? H | | | | | | | | ]; subst.
+  intros C. inversion C as [ | ? ? ? H | | | | | | | | ]; subst.
   assert (Z : alpha u64 0 = 0) by (unfold alpha; simpl pow; ring). rewrite Z, Rmult_0_l in H. apply between in H. lra.
 Qed.
-Lemma diff_64 x i j v : computed64 x (Diff i j) v -> Rabs (v - (x i - x j)) <= h * Rabs (x i - x j).
-Proof. intros C. by_step C. now apply rounds_once. Qed.
-Lemma add_64 x a b v : computed64 x (Add a b) v -> exists p q, computed64 x a p /\ computed64 x b q /\
-  Rabs (v - (p + q)) <= h * Rabs (p + q).
-Proof. intros C. by_step C. do 2 eexists. repeat split; try eassumption; try tauto. now apply rounds_once. Qed.
-Lemma sub_64 x a b v : computed64 x (Sub a b) v -> exists p q, computed64 x a p /\ computed64 x b q /\
-  Rabs (v - (p - q)) <= h * Rabs (p - q).
-Proof. intros C. by_step C. do 2 eexists. repeat split; try eassumption; try tauto. now apply rounds_once. Qed.
-Lemma mul_64 x a b v : computed64 x (Mul a b) v -> exists p q, computed64 x a p /\ computed64 x b q /\
-  Rabs (v - p * q) <= h * Rabs (p * q).
-Proof. intros C. by_step C. do 2 eexists. repeat split; try eassumption; try tauto. now apply rounds_once. Qed.
-Lemma times_64 x q a v : computed64 x (Times q a) v -> exists p, computed64 x a p /\
-  Rabs (v - Q2R q * p) <= h * Rabs (Q2R q * p).
-Proof. intros C. by_step C. eexists; split; [split; eassumption | now apply rounds_once]. Qed.
+Lemma after_sum p q s t v : seen64_any p s -> seen64_any q t -> rounds64_any (s + t) v ->
+  Rabs (v - (p + q)) <= h * Rabs (p + q) + few.
+Proof.
+  intros P Q R. apply seen64_any_near in P, Q. apply rounds64_any_near in R. rewrite u64_value in R.
+  assert (e0 := h64_positive). assert (e1 := h64_below).
+  assert (T : Rabs (s + t - (p + q)) <= 2 * h64).
+  { replace (s + t - (p + q)) with ((s - p) + (t - q)) by ring. eapply Rle_trans; [apply Rabs_triang | lra]. }
+  assert (T1 := Rabs_triang (s + t - (p + q)) (p + q)). replace (s + t - (p + q) + (p + q)) with (s + t) in T1 by ring.
+  replace (v - (p + q)) with ((v - (s + t)) + (s + t - (p + q))) by ring. eapply Rle_trans; [apply Rabs_triang | lra].
+Qed.
+Lemma after_difference p q s t v : seen64_any p s -> seen64_any q t -> rounds64_any (s - t) v ->
+  Rabs (v - (p - q)) <= h * Rabs (p - q) + few.
+Proof.
+  intros P Q R. apply (after_sum p (- q) s (- t)); auto.
+  destruct Q as [-> | [Q ->]]; [left; ring | right; rewrite Rabs_Ropp; split; [exact Q | ring]].
+Qed.
+Lemma after_product p q s t v : seen64_any p s -> seen64_any q t -> rounds64_any (s * t) v -> Rabs p <= 1000000 ->
+  Rabs q <= 1000000 -> Rabs (v - p * q) <= h * Rabs (p * q) + few.
+Proof.
+  intros P Q R Hp Hq. apply seen64_any_near in P, Q. apply rounds64_any_near in R. rewrite u64_value in R.
+  assert (e0 := h64_positive). assert (e1 := h64_below).
+  assert (T : Rabs (s * t - p * q) <= 3000000 * h64).
+  { replace (s * t - p * q) with ((s - p) * q + ((t - q) * p + (s - p) * (t - q))) by ring.
+    assert (A := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) P Hq).
+    assert (B := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) Q Hp).
+    assert (C := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) P Q). rewrite <- !Rabs_mult in A, B, C.
+    assert (hh : h64 * h64 <= h64 * / 100) by (apply Rmult_le_compat_l; lra).
+    eapply Rle_trans; [apply Rabs_triang |]. assert (E := Rabs_triang ((t - q) * p) ((s - p) * (t - q))). lra. }
+  assert (T1 := Rabs_triang (s * t - p * q) (p * q)). replace (s * t - p * q + p * q) with (s * t) in T1 by ring.
+  replace (v - p * q) with ((v - s * t) + (s * t - p * q)) by ring. eapply Rle_trans; [apply Rabs_triang | lra].
+Qed.
+Lemma diff_64 x i j v : computed x (Diff i j) v -> Rabs (v - (x i - x j)) <= h * Rabs (x i - x j) + few.
+Proof. intros C. inversion C; subst. eapply after_difference; eassumption. Qed.
+Lemma add_64 x a b v : computed x (Add a b) v -> exists p q, computed x a p /\ computed x b q /\
+  Rabs (v - (p + q)) <= h * Rabs (p + q) + few.
+Proof. intros C. inversion C; subst. do 2 eexists. repeat split; try eassumption. eapply after_sum; eassumption. Qed.
+Lemma sub_64 x a b v : computed x (Sub a b) v -> exists p q, computed x a p /\ computed x b q /\
+  Rabs (v - (p - q)) <= h * Rabs (p - q) + few.
+Proof. intros C. inversion C; subst. do 2 eexists. repeat split; try eassumption. eapply after_difference; eassumption. Qed.
+Lemma mul_64 x a b v : computed x (Mul a b) v -> exists p q, computed x a p /\ computed x b q /\
+  (Rabs p <= 1000000 -> Rabs q <= 1000000 -> Rabs (v - p * q) <= h * Rabs (p * q) + few).
+Proof. intros C. inversion C; subst. do 2 eexists. repeat split; try eassumption. intros. eapply after_product; eassumption. Qed.
+Lemma times_64 x q a v : computed x (Times q a) v -> exists p, computed x a p /\
+  (Rabs (Q2R q) <= 1000000 -> Rabs (v - Q2R q * p) <= h * Rabs (Q2R q * p) + few).
+Proof.
+  intros C. inversion C as [ | | | ? ? p s ? Hp Hs R | | | | | | ]; subst. exists p. split; [exact Hp |]. intros small.
+  apply seen64_any_near in Hs. apply rounds64_any_near in R. rewrite u64_value in R.
+  assert (e0 := h64_positive). assert (e1 := h64_below).
+  assert (T : Rabs (Q2R q * s - Q2R q * p) <= 1000000 * h64).
+  { rewrite <- Rmult_minus_distr_l, Rabs_mult. apply Rmult_le_compat; auto using Rabs_pos. }
+  assert (T1 := Rabs_triang (Q2R q * s - Q2R q * p) (Q2R q * p)).
+  replace (Q2R q * s - Q2R q * p + Q2R q * p) with (Q2R q * s) in T1 by ring.
+  replace (v - Q2R q * p) with ((v - Q2R q * s) + (Q2R q * s - Q2R q * p)) by ring.
+  eapply Rle_trans; [apply Rabs_triang | lra].
+Qed.
 
 (* ---- The mean ---- *)
 Section Mean.
@@ -125,13 +166,15 @@ Proof.
 Qed.
 Lemma mean_in a b t : 0 <= a <= 255 -> 0 <= b <= 255 -> 0 <= t <= 1 -> 0 <= a + t * (b - a) <= 255.
 Proof. intros A B T. assert (C := convex _ _ _ _ _ A B T). lra. Qed.
-Lemma along_near i j v : texel i -> texel j -> computed64 x (along i j) v ->
-  Rabs (v - (x i + f * (x j - x i))) <= 402 / 100 * h * 255.
+Lemma along_near i j v : texel i -> texel j -> computed x (along i j) v ->
+  Rabs (v - (x i + f * (x j - x i))) <= 403 / 100 * h * 255.
 Proof.
   intros Ti Tj C. unfold texel in *. destruct (add_64 _ _ _ _ C) as (p & q & Cp & Cq & N1). apply given_64 in Cp. subst p.
   destruct (mul_64 _ _ _ _ Cq) as (d & e & Cd & Ce & N2). apply diff_64 in Cd, Ce. fold f in Cd.
-  apply (off_by _ _ 1) in Cd; [| rewrite Rabs_pos_eq; lra]. apply (off_by _ _ 255) in Ce; [| apply Rabs_le; lra].
-  assert (P : Rabs (d * e - f * (x j - x i)) <= 201 / 100 * h * 255).
+  apply (off_by _ _ 1 few) in Cd; [| rewrite Rabs_pos_eq; lra]. apply (off_by _ _ 255 few) in Ce; [| apply Rabs_le; lra].
+  assert (Cd' := between _ _ Cd). assert (Ce' := between _ _ Ce).
+  specialize (N2 ltac:(apply Rabs_le; lra) ltac:(apply Rabs_le; lra)).
+  assert (P : Rabs (d * e - f * (x j - x i)) <= 202 / 100 * h * 255).
   { replace (d * e - f * (x j - x i)) with ((d - f) * (e - (x j - x i)) + ((d - f) * (x j - x i) + f * (e - (x j - x
     i)))) by ring.
     eapply Rle_trans; [apply Rabs_triang |]. assert (T := Rabs_triang ((d - f) * (x j - x i)) (f * (e - (x j - x i)))).
@@ -145,8 +188,8 @@ Proof.
   { rewrite Rabs_mult. assert (D : Rabs (x j - x i) <= 255) by (apply Rabs_le; lra).
   assert (f1 : Rabs f <= 1) by (apply Rabs_le; lra).
     assert (M := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) f1 D). lra. }
-  apply between in S. apply (off_by _ _ (255 * (1001 / 1000))) in N2; [| apply Rabs_le; lra]. apply between in N2.
-  apply (off_by _ _ (255 * (1001 / 1000))) in N1; [| apply Rabs_le; lra]. apply between in N1. apply Rabs_le. lra.
+  apply between in S. apply (off_by _ _ (255 * (1001 / 1000)) few) in N2; [| apply Rabs_le; lra]. apply between in N2.
+  apply (off_by _ _ (255 * (1001 / 1000)) few) in N1; [| apply Rabs_le; lra]. apply between in N1. apply Rabs_le. lra.
 Qed.
 
 Definition real_mean s t := (x texels_x + s * (x texels_y - x texels_x)) * (1 - t) + (x texels_z + s * (x texels_w - x
@@ -165,20 +208,21 @@ Proof.
   assert (M2 := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) f_near D'). lra.
 Qed.
 
-Theorem mean_near v : computed64 x upper (x shared) -> computed64 x (mean_of (Given shared 0)) v ->
-  Rabs (v - real_mean f g) <= 805 / 100 * h * 255.
+Theorem mean_near v : computed x upper (x shared) -> computed x (mean_of (Given shared 0)) v ->
+  Rabs (v - real_mean f g) <= 807 / 100 * h * 255.
 Proof.
   intros Cu C. assert (Nu := along_near _ _ _ t_x t_y Cu). fold upper in Cu.
   destruct (add_64 _ _ _ _ C) as (p & q & Cp & Cq & N1). apply given_64 in Cp. subst p.
   destruct (mul_64 _ _ _ _ Cq) as (d & e & Cd & Ce & N2). apply diff_64 in Ce. fold g in Ce.
   destruct (sub_64 _ _ _ _ Cd) as (l & a & Cl & Ca & N3). apply given_64 in Ca. subst a.
-  assert (Nl := along_near _ _ _ t_z t_w Cl). apply (off_by _ _ 1) in Ce; [| rewrite Rabs_pos_eq; lra].
+  assert (Nl := along_near _ _ _ t_z t_w Cl). apply (off_by _ _ 1 few) in Ce; [| rewrite Rabs_pos_eq; lra].
   assert (A := mean_in _ _ _ t_x t_y f_in). assert (B := mean_in _ _ _ t_z t_w f_in).
   set (u1 := x texels_x + f * (x texels_y - x texels_x)) in *. set (l1 := x texels_z + f * (x texels_w - x texels_z)) in *.
   set (U := x shared) in *. apply between in Nu, Nl.
-  apply (off_by _ _ (255 * (1001 / 1000))) in N3; [| apply Rabs_le; lra].
+  apply (off_by _ _ (255 * (1001 / 1000)) few) in N3; [| apply Rabs_le; lra].
   assert (N3' := between _ _ N3).
-  assert (P : Rabs (d * e - (l - U) * g) <= 201 / 100 * h * 255).
+  assert (Ce' := between _ _ Ce). specialize (N2 ltac:(apply Rabs_le; lra) ltac:(apply Rabs_le; lra)).
+  assert (P : Rabs (d * e - (l - U) * g) <= 202 / 100 * h * 255).
   { replace (d * e - (l - U) * g) with ((d - (l - U)) * e + (l - U) * (e - g)) by ring.
     eapply Rle_trans; [apply Rabs_triang |]. rewrite !Rabs_mult.
     assert (e1 : Rabs e <= 1001 / 1000) by (apply between in Ce; apply Rabs_le; lra).
@@ -187,17 +231,17 @@ Proof.
     assert (M2 := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) D Ce). lra. }
   assert (S := convex 0 (l - U) g (- (255 * (1001 / 1000))) (255 * (1001 / 1000)) ltac:(lra) ltac:(lra) g_in).
   assert (I := convex U l g (0 - 5 * h * 255) (255 + 5 * h * 255) ltac:(lra) ltac:(lra) g_in).
-  apply between in P. apply (off_by _ _ (255 * (1002 / 1000))) in N2; [| apply Rabs_le; lra]. apply between in N2.
-  apply (off_by _ _ (255 * (1002 / 1000))) in N1; [| apply Rabs_le; lra]. apply between in N1.
-  assert (E := convex (U - u1) (l - l1) g (- (402 / 100 * h * 255)) (402 / 100 * h * 255) ltac:(lra) ltac:(lra) g_in).
+  apply between in P. apply (off_by _ _ (255 * (1002 / 1000)) few) in N2; [| apply Rabs_le; lra]. apply between in N2.
+  apply (off_by _ _ (255 * (1002 / 1000)) few) in N1; [| apply Rabs_le; lra]. apply between in N1.
+  assert (E := convex (U - u1) (l - l1) g (- (403 / 100 * h * 255)) (403 / 100 * h * 255) ltac:(lra) ltac:(lra) g_in).
   replace (real_mean f g) with (u1 * (1 - g) + l1 * g) by (unfold real_mean, u1, l1; ring).
   apply Rabs_le. lra.
 Qed.
 
 (* Times an alpha a, which is off by x off, rounded once more. *)
 Definition least_term : Q := 91 # 90071992547409920.
-Theorem product_near v a A p : computed64 x upper (x shared) -> computed64 x (mean_of (Given shared 0)) v ->
-  0 <= A <= 1 -> Rabs (a - A) <= x off -> Rabs (p - v * a) <= h * Rabs (v * a) ->
+Theorem product_near v a A p : computed x upper (x shared) -> computed x (mean_of (Given shared 0)) v ->
+  0 <= A <= 1 -> Rabs (a - A) <= x off -> Rabs (p - v * a) <= h * Rabs (v * a) + few ->
   Rabs (p - real_mean F G * A) <= (255 + / 1000) * (x error_x + x error_y + Q2R least_term + x off).
 Proof.
   intros Cu C A_in Ha Hp. assert (N := mean_near _ Cu C). assert (K := cell_near).
@@ -208,9 +252,9 @@ Proof.
   set (m := real_mean f g) in *. set (M := real_mean F G) in *.
   assert (o0 := Rle_trans _ _ _ (Rabs_pos _) Ha). assert (N' := between _ _ N).
   assert (v_in : Rabs v <= 255 + 9 * h * 255) by (apply Rabs_le; lra).
-  assert (near_M : Rabs (v - M) <= 255 * (x error_x + x error_y) + 805 / 100 * h * 255).
+  assert (near_M : Rabs (v - M) <= 255 * (x error_x + x error_y) + 807 / 100 * h * 255).
   { replace (v - M) with ((v - m) + (m - M)) by ring. eapply Rle_trans; [apply Rabs_triang |]. lra. }
-  assert (P : Rabs (v * a - M * A) <= (255 * (x error_x + x error_y) + 805 / 100 * h * 255) * 1 + (255 + 9 * h * 255) * x
+  assert (P : Rabs (v * a - M * A) <= (255 * (x error_x + x error_y) + 807 / 100 * h * 255) * 1 + (255 + 9 * h * 255) * x
     off).
   { replace (v * a - M * A) with ((v - M) * A + v * (a - A)) by ring. eapply Rle_trans; [apply Rabs_triang |].
   rewrite !Rabs_mult.
@@ -219,7 +263,7 @@ Proof.
     assert (M2 := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) v_in Ha). lra. }
   assert (S : Rabs (v * a) <= (255 + 9 * h * 255) * (1 + x off)).
   { rewrite Rabs_mult. apply Rmult_le_compat; auto using Rabs_pos. apply between in Ha. apply Rabs_le. lra. }
-  apply (off_by _ _ _ Hp) in S. assert (e0 := Rle_trans _ _ _ (Rabs_pos _) f_near).
+  apply (off_by _ _ _ few Hp) in S. assert (e0 := Rle_trans _ _ _ (Rabs_pos _) f_near).
   assert (e1 := Rle_trans _ _ _ (Rabs_pos _) g_near). apply between in P, S. apply Rabs_le. lra.
 Qed.
 
@@ -227,25 +271,29 @@ Qed.
 Let e := x shared.  (* here alpha_error *)
 Definition low_of c := Times c (Sub (Given quotient_1 0) (Given shared 0)).
 Definition high_of c := Times c (Add (Given shared 0) (Given quotient_1 0)).
-Theorem alpha_is_between c d A l k : Rabs (x quotient_1 - A) <= e -> 0 <= A -> Q2R c <= 1 - 301 / 100 * h -> 0 <= Q2R c ->
-  1 + 301 / 100 * h <= Q2R d ->
-  computed64 x (low_of c) l -> computed64 x (high_of d) k -> 0 <= l -> (1 + h) * l <= A <= (1 - h) * k.
+Theorem alpha_is_between c d A l k : Rabs (x quotient_1 - A) <= e - / 4503599627370496 -> 0 <= A -> Q2R c <= 1 - 301 / 100 * h -> / 2 <= Q2R c ->
+  1 + 301 / 100 * h <= Q2R d <= 2 -> / 2251799813685248 <= e ->
+  computed x (low_of c) l -> computed x (high_of d) k -> 0 <= l -> (1 + h) * l <= A <= (1 - h) * k.
 Proof.
-  intros H A0 Hc c0 Hd Cl Ck l0. apply between in H.
+  intros H A0 Hc c0 [Hd Hd2] e_least Cl Ck l0. apply between in H.
   destruct (times_64 _ _ _ _ Cl) as (p & Cp & N1). destruct (times_64 _ _ _ _ Ck) as (q & Cq & N2).
+  specialize (N1 ltac:(rewrite Rabs_pos_eq; lra)). specialize (N2 ltac:(rewrite Rabs_pos_eq; lra)).
   destruct (sub_64 _ _ _ _ Cp) as (a & b & Ca & Cb & N3). destruct (add_64 _ _ _ _ Cq) as (a' & b' & Ca' & Cb' & N4).
   apply given_64 in Ca, Cb, Ca', Cb'. subst a b a' b'. fold e in N3, N4. set (y := x quotient_1) in *.
   assert (y0 : 0 <= e + y) by lra. rewrite (Rabs_pos_eq (e + y)) in N4 by lra. apply between in N4.
   assert (q0 : 0 <= q) by lra. assert (dq := Rmult_le_compat_r q _ _ q0 Hd).
   rewrite (Rabs_pos_eq (Q2R d * q)) in N2 by lra. apply between in N2. split; [| lra].
+  assert (N3' : - (/ 1152921504606846976) <= y - e \/ p <= - / 2305843009213693952).
+  { destruct (Rle_dec (- (/ 1152921504606846976)) (y - e)) as [d0 | d0]; [now left | right].
+    rewrite (Rabs_left1 (y - e)) in N3 by lra. apply between in N3. lra. }
   destruct (Rle_dec 0 p) as [p0 | p0].
-  - assert (cp := Rmult_le_compat_r p _ _ p0 Hc). assert (cp0 := Rmult_le_pos _ _ c0 p0).
+  - assert (cp := Rmult_le_compat_r p _ _ p0 Hc). assert (c00 : 0 <= Q2R c) by lra. assert (cp0 := Rmult_le_pos _ _ c00 p0).
     rewrite (Rabs_pos_eq (Q2R c * p)) in N1 by lra. apply between in N1.
     destruct (Rle_dec 0 (y - e)) as [d0 | d0].
-    + rewrite (Rabs_pos_eq (y - e)) in N3 by lra. apply between in N3. lra.
-    + rewrite (Rabs_left1 (y - e)) in N3 by lra. apply between in N3. lra.
-  - assert (cp := Rmult_le_compat_l (Q2R c) p 0 c0 ltac:(lra)).
-    rewrite (Rabs_left1 (Q2R c * p)) in N1 by lra. apply between in N1. lra.
+    + rewrite (Rabs_pos_eq (y - e)) in N3 by lra. apply between in N3. destruct N3'; lra.
+    + rewrite (Rabs_left1 (y - e)) in N3 by lra. apply between in N3. destruct N3'; lra.
+  - assert (cp := Rmult_le_compat_r (- p) _ _ ltac:(lra) c0).
+    rewrite (Rabs_left1 (Q2R c * p)) in N1 by lra. apply between in N1. destruct N3'; lra.
 Qed.
 End Mean.
 
@@ -260,7 +308,7 @@ Proof. split; reflexivity. Qed.
 Definition least_around : Q := 301 # 900719925474099200.
 Lemma kernels_are_enough : (
   least_term <= kernels_term /\ 255 + (1 # 1000) <= kernels_factor * (1 - alphaQ u64Q 4) /\
-  low_factor <= 1 - least_around /\ 1 + least_around <= high_factor)%Q.
+  1 # 2 <= low_factor <= 1 - least_around /\ 1 + least_around <= high_factor <= 2)%Q.
 Proof. vm_compute. repeat split; discriminate. Qed.
 Definition constants := Eval vm_compute in shown least_term kernels_term.
 Print constants.

@@ -65,8 +65,22 @@ refused pyramid_slopes
 # What keeps bounds above what underflow takes.
 noticed horizons/height_field.h 's/FIELD_NEAR 0x1p-40f/FIELD_NEAR 0x1p-60f/' horizons.v
 refused horizons
-noticed lights/light_bundle.h 's/SECTOR_LEAST_RISE 1e-6f/SECTOR_LEAST_RISE 1e-7f/' slopes.v
+noticed horizons/strip_triangle.clh 's/HEIGHT_NEAR 0x1p-16f/HEIGHT_NEAR 0x1p-18f/' slopes.v
 refused slopes
+noticed horizons/strip_triangle.clh 's/ + HEIGHT_NEAR;/;/' slopes.v
+noticed horizons/strip_triangle.clh 's/CROSSING_NEAR 0x1p-43f/CROSSING_NEAR 0x1p-45f/' slopes.v
+refused slopes
+noticed occluders/eye_records.clh 's/EYE_PLANE_NEAR 0x1p-100f/EYE_PLANE_NEAR 0x1p-108f/' eye_planes.v
+refused eye_planes
+noticed occluders/eye_records.clh 's/EYE_EDGE_BOUND 7.5e-7f/EYE_EDGE_BOUND 6.9e-7f/' eye_records.v
+refused eye_records
+noticed receivers/footprint.h 's/FOOTPRINT_NEAR 0x1p-90f/FOOTPRINT_NEAR 0x1p-91f/' footprints.v
+refused footprints
+noticed samples/footprints.clh 's/1.0e-30f;/1.0e-31f;/' spread.v
+refused spread
+noticed exact/cut_outs.clh 's/(CutReal)0x1p-50f);/(CutReal)0x1p-60f);/' cut_outs.v
+refused cut_outs
+noticed exact/cut_outs.clh 's/largest + 4\.0f \* u/largest/' cut_out_lanes.v
 noticed lights/light_sides.cl 's/0x1p-98f/0x1p-100f/' light_sides.v
 refused light_sides
 noticed beams/beam.h 's/BEAM_ROUNDING 4e-6f/BEAM_ROUNDING 3.1e-6f/' leaf_extents.v
