@@ -98,8 +98,9 @@ void set_margins(LightSweep& sweep, const SeenLight& light, const BuiltRaster& r
     const double away = 2 * raster.unevenness() + sweep.lines * 0x1p-31;
     const double uneven = away * (raster.steepest(0) + raster.steepest(1) + light.climb);
     const double heights = raster.highest(), plane = light.climb * sweep.lines;
-    sweep.margin = float(1.01 * (uneven + rounding * (128 * heights + 32 * plane)));
-    sweep.near_margin = float(1.01 * (uneven + rounding * (32 * heights + 32 * light.climb * (SWEEP_NEAR + 1))));
+    const double crossings = double(SWEEP_CROSSING_ERROR) * (heights + light.climb * (SWEEP_NEAR + 1));
+    sweep.margin = float(1.01 * (uneven + rounding * (128 * heights + 32 * plane)) + double(SWEEP_LOST));
+    sweep.near_margin = float(1.01 * (uneven + crossings) + double(SWEEP_LOST));
 }
 
 void add_sweep(SweepTables& made, const double (&towards)[3], const BuiltRaster& raster, std::uint32_t lanes) {

@@ -95,6 +95,14 @@ typedef struct NearGround {
     LaneInt has_first;        // the end of the first triangle is on the raster
 } NearGround;
 
+// Of an edge that a ray meets, over the plane through the ray: between two heights by shares, or by one share.
+static LaneFloat height_of_crossing(float share_low, LaneFloat low, float share_high, LaneFloat high, float climb) {
+    return share_low * low + share_high * high - climb;
+}
+static LaneFloat height_of_edge(LaneFloat a, LaneFloat b, LaneFloat share, float climb, LaneFloat farther) {
+    return (a + share * (b - a)) - climb * farther;
+}
+
 static NearGround near_ground(__global const float* at, __global const LightSweep* sweep, uint line, LaneInt row) {
     LaneFloat lowest = (LaneFloat)(LOWEST);
     NearGround ground = {lowest, lowest, -lowest, lowest, (LaneInt)(0)};
@@ -102,8 +110,8 @@ static NearGround near_ground(__global const float* at, __global const LightSwee
     for (uint k = 0; k < sweep->crossing_count; ++k) {
         __global const SweepCrossing* crossing = &sweep->crossings[k];
         if (line + crossing->lines >= sweep->lines) continue;
-        LaneFloat height = crossing->share_low * LOAD_LANES(at + crossing->low) +
-                           crossing->share_high * LOAD_LANES(at + crossing->high) - crossing->climb;
+        LaneFloat height = height_of_crossing(crossing->share_low, LOAD_LANES(at + crossing->low), crossing->share_high,
+                                              LOAD_LANES(at + crossing->high), crossing->climb);
         LaneInt inside = is_inner & LANE_COMPARE(row + crossing->rows, <=, last);
         if (k == 0u) {
             ground.first = height;
@@ -307,7 +315,7 @@ static void meet_edges(GroundMet* met, const RasterRay* ray, uint kind, int k) {
             to = (lines * sweep->line_stride + high + next) & is_met;
     LaneFloat a = LANES_AS_FLOAT(LANES_GATHER((__global const int*)ray->at, from));
     LaneFloat b = LANES_AS_FLOAT(LANES_GATHER((__global const int*)ray->at, to));
-    LaneFloat height = (a + share * (b - a)) - sweep->climb * farther;
+    LaneFloat height = height_of_edge(a, b, share, sweep->climb, farther);
     LaneFloat most = LANES_MAX(height, met->most), inside = LANES_MAX(height, met->inside);
     met->most = LANES_SELECT(met->most, most, is_met);
     met->inside = LANES_SELECT(met->inside, inside, is_met & LANE_COMPARE(least, <, last - 1));

@@ -20,6 +20,10 @@
 // A ray meets, on its way over SWEEP_NEAR lines, at most as many lines, rows and twice as many diagonals.
 #define MAX_SWEEP_CROSSINGS 16
 // A point's vertex is column << 16 | row.
+// What the crossings of a vertex's own ray are off by, as a share of the greatest height and of the ray's climb over
+// them; and what underflow takes at most of a height (tests/proofs/sweeps.v).
+#define SWEEP_CROSSING_ERROR (14.0f / 16777216.0f)
+#define SWEEP_LOST 0x1p-80f
 // A tile has so many lines and rows, and one more of each, which it shares with the next tile.
 #define RASTER_TILE 16
 #define NO_VERTEX 0xFFFFFFFFu

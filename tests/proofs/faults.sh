@@ -63,6 +63,11 @@ refused prepared_boxes
 noticed horizons/horizons.cl 's/SLOPE_BELOW (1\.0f - 0x1\.8p-21f)/SLOPE_BELOW (1.0f - 0x1p-22f)/' pyramid_slopes.v
 refused pyramid_slopes
 # What keeps bounds above what underflow takes.
+noticed horizons/sweeps.h 's/SWEEP_CROSSING_ERROR (14\.0f/SWEEP_CROSSING_ERROR (7.0f/' sweeps.v
+refused sweeps
+noticed horizons/sweeps.h 's/SWEEP_LOST 0x1p-80f/SWEEP_LOST 0x1p-81f/' sweeps.v
+refused sweeps
+noticed horizons/sweeps.cl 's/(a + share \* (b - a)) - climb/a + (share * (b - a) - climb/; s/climb \* farther;/climb * farther);/' sweeps.v
 noticed horizons/height_field.h 's/FIELD_NEAR 0x1p-40f/FIELD_NEAR 0x1p-60f/' horizons.v
 refused horizons
 noticed horizons/strip_triangle.clh 's/HEIGHT_NEAR 0x1p-16f/HEIGHT_NEAR 0x1p-18f/' slopes.v
