@@ -6,9 +6,9 @@
 
    Assumed: g, a row or in perspective row - X row_z, is off by at most 8 u of `size`, which no |g| exceeds but for 4 u of
    it; the scale, 1 or 1 / W, by 15 u of itself (frame_errors.v: 9.1 u); stretch is at least 1 and k at least 0;
-   rows are below 2^32 (projection.v), and the scale is at least 1/4, as W is at most 2. Denormals may be kept or flushed:
-   FOOTPRINT_NEAR, added to each size and to their sum, is more than that takes of both axes; a quarter of it is left for
-   the slack's own operations (inner_loses). In prose (footprint.h): in perspective the rest is at most (|u| + |v|) k / (1 - k), and four
+   the spread is 2^-100 at least, as both kinds add 1e-30, and the scale 1/4, as W is at most 2. Denormals may be kept or
+   flushed: FOOTPRINT_NEAR, added to each size and to their sum, is more than that takes of both axes; a quarter of it is
+   left for the slack's own operations (prose: they lose a few 2^-126, and so much of a size, below 2^-23 of the spread's). In prose (footprint.h): in perspective the rest is at most (|u| + |v|) k / (1 - k), and four
    errors of a point are added. Overflow: no footprint is used whose reach is 1e30.
    loose: 64 u also serves the position's own roundings, and no test of a footprint is that near to a margin. *)
 From Coq Require Import Reals QArith Qreals Lra Psatz.
@@ -61,8 +61,7 @@ Variables G_x G_y G_z T : R.  (* the real row and scale *)
 Let right g size G := Rabs (x g - G) <= 8 * u * big size /\ Rabs (x g) <= (1 + 4 * u) * big size.
 Hypotheses (x_right : right g_x size_x G_x) (y_right : right g_y size_y G_y) (z_right : right g_z size_z G_z).
 Hypotheses (s_in : / 4 <= s) (T_near : Rabs (s - T) <= 15 * u * s).
-Hypotheses (size_x_in : 0 <= x size_x <= 4294967296) (size_y_in : 0 <= x size_y <= 4294967296) (size_z_in : 0 <= x size_z <=
-  4294967296).
+Hypotheses (size_x_in : 0 <= x size_x) (size_y_in : 0 <= x size_y) (size_z_in : 0 <= x size_z).
 Let s0 : 0 <= s := Rle_trans _ _ _ (Rlt_le _ _ (Rinv_0_lt_compat 4 ltac:(lra))) s_in.
 Let magnitudes p q r := Rabs (x p) * big size_x + Rabs (x q) * big size_y + Rabs (x r) * big size_z.
 Definition dot p q r := p * G_x + q * G_y + r * G_z.
@@ -77,7 +76,8 @@ Proof.
   rewrite Rabs_Ropp in T'. replace (x g + - (x g - G)) with G in T' by ring. lra. Qed.
 
 (* What underflow takes of one axis, times the scale. *)
-Let lost_of p q r := 3 * h32 * (Rabs (x p) + Rabs (x q) + Rabs (x r)) + / 6000000000000000000000000000.
+Let all_sizes := big size_x + big size_y + big size_z.
+Let lost_of p q r := 3 * h32 * (Rabs (x p) + Rabs (x q) + Rabs (x r)) + 3 * h32 * all_sizes + / 6000000000000000000000000000.
 Theorem axis_near e v p q r : e = Mul (Add (Add (Mul (Given p 0) (Given g_x 0)) (Mul (Given q 0) (Given g_y 0)))
     (Mul (Given r 0) (Given g_z 0))) (Given scale 0) -> computes32 x e v ->
   Rabs (v - T * dot (x p) (x q) (x r)) <= s * (272 / 10 * u * magnitudes p q r + lost_of p q r).
@@ -101,8 +101,8 @@ Proof.
   destruct (term p _ _ _ x_right zx) as (N1 & I1 & R1 & P1). destruct (term q _ _ _ y_right zy) as (N2 & I2 & R2 & P2).
   destruct (term r _ _ _ z_right zz) as (N3 & I3 & R3 & P3).
   (* What underflow takes of the sum. *)
-  assert (hg : forall g size G, right g size G -> 0 <= x size <= 4294967296 -> 0 <= h32 * Rabs (x g) <= h32 * 4294970000).
-  { intros g size G [_ H] B. unfold big in H. split; [apply Rmult_le_pos; [lra | apply Rabs_pos] |].
+  assert (hg : forall g size G, right g size G -> 0 <= x size -> 0 <= h32 * Rabs (x g) <= h32 * (1001 / 1000 * big size)).
+  { intros g size G [_ H] B. unfold big in *. split; [apply Rmult_le_pos; [lra | apply Rabs_pos] |].
     apply Rmult_le_compat_l; lra. }
   assert (L1 := hg _ _ _ x_right size_x_in). assert (L2 := hg _ _ _ y_right size_y_in).
   assert (L3 := hg _ _ _ z_right size_z_in). clear hg.
@@ -118,35 +118,39 @@ Proof.
   assert (Q1 : Q <= (1 + 4 * u) * M) by (unfold Q; lra).
   assert (Q0 : 0 <= Q) by (unfold Q; repeat apply Rplus_le_le_0_compat; apply Rmult_le_pos; apply Rabs_pos).
   assert (E := Rmult_le_compat _ _ _ _ Z3 Q0 A Q1).
+  assert (hS_is : h32 * all_sizes = h32 * big size_x + h32 * big size_y + h32 * big size_z) by (unfold all_sizes; ring).
+  set (A' := all_sizes) in *. assert (A0 : 0 <= h32 * A') by lra.
   set (few := / 6400000000000000000000000000).
-  assert (D : Rabs (a - dot (x p) (x q) (x r)) <= 1101 / 100 * u * M + (101 / 100 * (h32 * H) + few)).
+  assert (D : Rabs (a - dot (x p) (x q) (x r)) <= 1101 / 100 * u * M + (101 / 100 * (h32 * H) + 102 / 100 * (h32 * A') + few)).
   { unfold dot, few. apply between in N1, N2, N3, Ca. apply Rabs_le. lra. }
   assert (d : Rabs (dot (x p) (x q) (x r)) <= (1 + 13 * u) * M).
   { unfold dot. apply between in R1, R2, R3. apply Rabs_le. lra. }
   set (dd := dot (x p) (x q) (x r)) in *. assert (T_off : Rabs ((s - T) * dd) <= 15 * u * s * ((1 + 13 * u) * M)).
   { rewrite Rabs_mult. apply Rmult_le_compat; auto using Rabs_pos. }
   assert (sD := Rmult_le_compat_l s _ _ s0 D).
-  assert (a_in : Rabs a <= (1 + 25 * u) * M + (101 / 100 * (h32 * H) + few)).
+  assert (a_in : Rabs a <= (1 + 25 * u) * M + (101 / 100 * (h32 * H) + 102 / 100 * (h32 * A') + few)).
   { replace a with ((a - dd) + dd) by ring. eapply Rle_trans; [apply Rabs_triang |]. lra. }
   assert (sa := Rmult_le_compat_l s _ _ s0 a_in).
-  assert (sD' : Rabs (a * s - s * dd) <= s * (1101 / 100 * u * M + (101 / 100 * (h32 * H) + few))).
+  assert (sD' : Rabs (a * s - s * dd) <= s * (1101 / 100 * u * M + (101 / 100 * (h32 * H) + 102 / 100 * (h32 * A') + few))).
   { replace (a * s - s * dd) with (s * (a - dd)) by ring. rewrite Rabs_mult, (Rabs_pos_eq s) by assumption. exact sD. }
-  assert (as_ : Rabs (a * s) <= s * ((1 + 25 * u) * M + (101 / 100 * (h32 * H) + few))).
+  assert (as_ : Rabs (a * s) <= s * ((1 + 25 * u) * M + (101 / 100 * (h32 * H) + 102 / 100 * (h32 * A') + few))).
   { rewrite Rabs_mult, (Rabs_pos_eq s), (Rmult_comm (Rabs a)) by assumption. exact sa. }
   rewrite (Rabs_pos_eq s) in N by assumption.
   assert (M_h : h32 * M <= / 100000000000000000000 * M) by (apply Rmult_le_compat_r; lra).
   assert (hH0 : 0 <= h32 * H) by lra. assert (few0 : 0 < few <= / 1000) by (unfold few; lra).
-  assert (ha : h32 * Rabs a <= h32 * ((1 + 25 * u) * M + (101 / 100 * (h32 * H) + few))) by (apply Rmult_le_compat_l; lra).
+  assert (ha : h32 * Rabs a <= h32 * ((1 + 25 * u) * M + (101 / 100 * (h32 * H) + 102 / 100 * (h32 * A') + few))) by (apply Rmult_le_compat_l; lra).
+  assert (hhA : h32 * (h32 * A') <= / 1000 * (h32 * A')) by (apply Rmult_le_compat_r; lra).
   assert (hhH : h32 * (h32 * H) <= / 1000 * (h32 * H)) by (apply Rmult_le_compat_r; lra).
   assert (hf : h32 * few <= h32 * / 1000) by (apply Rmult_le_compat_l; lra).
   assert (sh0 : 0 <= s * h32) by (apply Rmult_le_pos; lra).
   (* 2 h (|a| + s + 1), by the scale, which is at least 1/4. *)
-  assert (rest : 2 * h32 * (Rabs a + s + 1) <= s * (/ 10000000000000 * M + (/ 100 * (h32 * H) + 20 * h32))).
-  { assert (G : / 4 * (/ 10000000000000 * M + (/ 100 * (h32 * H) + 10 * h32)) <= s * (/ 10000000000000 * M + (/ 100 *
-      (h32 * H) + 10 * h32))) by (apply Rmult_le_compat_r; lra). lra. }
+  assert (rest : 2 * h32 * (Rabs a + s + 1) <= s * (/ 10000000000000 * M + (/ 100 * (h32 * H) + / 100 * (h32 * A') + 20 * h32))).
+  { assert (G : / 4 * (/ 10000000000000 * M + (/ 100 * (h32 * H) + / 100 * (h32 * A') + 10 * h32)) <= s * (/ 10000000000000 * M + (/ 100 *
+      (h32 * H) + / 100 * (h32 * A') + 10 * h32))) by (apply Rmult_le_compat_r; lra). lra. }
   replace (v - T * dd) with ((v - a * s) + ((a * s - s * dd) + (s - T) * dd)) by ring.
   eapply Rle_trans; [apply Rabs_triang |]. assert (T1 := Rabs_triang (a * s - s * dd) ((s - T) * dd)).
-  unfold lost_of. fold H. assert (sM : 0 <= s * M) by (apply Rmult_le_pos; lra).
+  assert (sA : 0 <= s * (h32 * A')) by (apply Rmult_le_pos; lra).
+  unfold lost_of. fold H. fold A'. assert (sM : 0 <= s * M) by (apply Rmult_le_pos; lra).
   assert (sH : 0 <= s * (h32 * H)) by (apply Rmult_le_pos; lra).
   assert (sf : s * few = / 6400000000000000000000000000 * s) by (unfold few; ring).
   assert (sh := Rmult_le_compat_l s _ _ s0 h1). lra.
@@ -160,26 +164,30 @@ Definition inflation : Q := match slack with Mul _ (Times c _) => c | _ => 0%Q e
 Definition least_sizes : Q := 271 # 167772160.
 Theorem slack_is_large a b d_x d_y d_z c w v1 v2 :
   computes32 x half_u v1 -> computes32 x half_v v2 -> -1 <= a <= 1 -> -1 <= b <= 1 ->
-  Rabs d_x <= x spread -> Rabs d_y <= x spread -> Rabs d_z <= x spread -> Q2R least_sizes <= Q2R c ->
+  / 1267650600228229401496703205376 <= x spread -> Rabs d_x <= x spread -> Rabs d_y <= x spread -> Rabs d_z <= x spread -> Q2R least_sizes <= Q2R c ->
   101 / 100 * (1 - 10 * u) * (s * ((big size_x + big size_y + big size_z) * x spread + Q2R c * (magnitudes U_x U_y U_z +
     magnitudes V_x V_y V_z) + 3 / 4 * near_)) <= w ->
   Rabs (T * dot (a * x U_x + b * x V_x + d_x) (a * x U_y + b * x V_y + d_y) (a * x U_z + b * x V_z + d_z) - (a * v1 + b *
     v2)) <= w.
 Proof.
-  intros C1 C2 Ha Hb D1 D2 D3 Hc Hw. assert (N1 := axis_near _ _ _ _ _ eq_refl C1).
+  intros C1 C2 Ha Hb sp_least D1 D2 D3 Hc Hw. assert (N1 := axis_near _ _ _ _ _ eq_refl C1).
   assert (N2 := axis_near _ _ _ _ _ eq_refl C2).
   replace (Q2R least_sizes) with (271 / 10 * u) in Hc by (unfold Q2R, least_sizes; simpl; lra). destruct sizes0 as (zx & zy & zz).
   (* What underflow takes of both axes. *)
   assert (lost_in : lost_of U_x U_y U_z + lost_of V_x V_y V_z <= / 10 * u * (magnitudes U_x U_y U_z + magnitudes V_x V_y V_z) +
-    / 3000000000000000000000000000).
+    / 1000000 * (all_sizes * x spread) + / 3000000000000000000000000000).
   { unfold lost_of, magnitudes. assert (h1 := h32_below). simpl in h1. assert (h := h32_positive).
     assert (one : forall i size, 0 <= x size -> 3 * h32 * Rabs (x i) <= / 10 * u * (Rabs (x i) * big size)).
     { intros i size B. assert (G := Rmult_le_compat_l (Rabs (x i)) near_ (big size) (Rabs_pos _) ltac:(unfold big; lra)).
       assert (G2 := Rmult_le_compat_r (Rabs (x i)) _ _ (Rabs_pos _) h1). assert (G3 := Rabs_pos (x i)). lra. }
-    assert (O1 := one U_x _ (proj1 size_x_in)). assert (O2 := one U_y _ (proj1 size_y_in)).
-    assert (O3 := one U_z _ (proj1 size_z_in)). assert (O4 := one V_x _ (proj1 size_x_in)).
-    assert (O5 := one V_y _ (proj1 size_y_in)). assert (O6 := one V_z _ (proj1 size_z_in)). lra. }
-  assert (s_lost := Rmult_le_compat_l s _ _ s0 lost_in).
+    assert (A0 : 0 <= all_sizes) by (unfold all_sizes; lra).
+    assert (hA0 : 0 <= h32 * all_sizes) by (apply Rmult_le_pos; lra).
+    assert (hA : h32 * all_sizes <= / 10000000 * (all_sizes * x spread)).
+    { assert (G := Rmult_le_compat_l all_sizes _ _ A0 sp_least). assert (G2 := Rmult_le_compat_r all_sizes _ _ A0 h1). lra. }
+    assert (O1 := one U_x _ size_x_in). assert (O2 := one U_y _ size_y_in).
+    assert (O3 := one U_z _ size_z_in). assert (O4 := one V_x _ size_x_in).
+    assert (O5 := one V_y _ size_y_in). assert (O6 := one V_z _ size_z_in). lra. }
+  unfold all_sizes in lost_in. assert (s_lost := Rmult_le_compat_l s _ _ s0 lost_in).
   set (M1 := magnitudes U_x U_y U_z) in *. set (M2 := magnitudes V_x V_y V_z) in *.
   assert (m0 : forall p q r, 0 <= magnitudes p q r).
   { intros. unfold magnitudes. repeat apply Rplus_le_le_0_compat; apply Rmult_le_pos; auto using Rabs_pos. }
@@ -209,12 +217,7 @@ End Footprint.
 Lemma kernels_are_enough : (least_sizes <= of_sizes /\ (101 # 100) * (1 - (1 # 16777216)) <= inflation /\
   1 # 2 ^ 90 <= of_nothing)%Q.
 Proof. vm_compute. repeat split; discriminate. Qed.
-(* The slack's own sum, with sizes up to 2^32 and the rest up to L: L / 2^124 is far below 27 u FOOTPRINT_NEAR of it. *)
-Definition is_size i := (Nat.eqb i size_x || Nat.eqb i size_y || Nat.eqb i size_z)%bool.
-Lemma inner_loses : not_above (underflowP (all h32Q) (fun i => if is_size i then number (2 ^ 32) else line 0 1) (fun _ _ => nil)
-  inner) (line ((1 # 4) * of_nothing) (1 # 2 ^ 115)) = true.
-Proof. vm_compute. reflexivity. Qed.
 Definition constants := Eval vm_compute in shown least_sizes of_sizes.
 Print constants.
-Definition checked := (axis_near, slack_is_large, kernels_are_enough, inner_loses).
+Definition checked := (axis_near, slack_is_large, kernels_are_enough).
 Print Assumptions checked.
