@@ -6,7 +6,8 @@ usage: check.py coq FOLDER | gappa      FOLDER: for Coq's files. Exit status 77:
 What Coq said is kept in FOLDER under a digest of the proof, the lemmas and Coq's version, and read again while it is so.
 
 Fails where a prover does not accept a proof; where the kernel's constant is below the least or more than twice as large,
-unless the proof says `loose: WHY` (of one constant `loose others: WHY`); where a proof assumes more than the axioms of the reals.
+unless the proof says `loose: WHY` (of one constant `loose others: WHY`); where a proof assumes more than the axioms of
+the reals.
 """
 import concurrent.futures
 import functools
@@ -73,7 +74,8 @@ def check_coq(name, folder):
     good = "Print Assumptions" in text
     if not good:
         print(f"{name} does not print what it assumes")
-    assumed = set(re.findall(r"^(\w[\w.]*) ?(?::|$)", messages.split("Axioms:", 1)[-1], re.M)) - {"constants", "rests", "others"}
+    named = set(re.findall(r"^(\w[\w.]*) ?(?::|$)", messages.split("Axioms:", 1)[-1], re.M))
+    assumed = named - {"constants", "rests", "others"}
     if not assumed <= AXIOMS or "Axioms:" not in messages:
         print(f"{name} assumes {sorted(assumed - AXIOMS)}")
         good = False
