@@ -1,6 +1,5 @@
 (* SPDX-License-Identifier: MIT *)
-(* loose others: at 1e-6 a sun is a fifth of an arc second above the horizon, which no sector is worth; that slopes are
-   normal numbers needs far less *)
+(* loose others: 1e-6 is a sun a fifth of an arc second high, not worth a sector; normal slopes need far less *)
 (* strip_triangle.clh: the slopes at which a strip meets a triangle, against SLOPE_ERROR (height + slope x distance) / q, and
    the height of a triangle's plane over the point, against 2^-17 farthest^2 highest. From the corners' coordinates on:
      q_near, across_near, height_near   a corner's numbers: 4e-7 of its distance and 2^-86; 2 roundings, and HEIGHT_NEAR;
