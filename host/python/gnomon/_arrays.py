@@ -135,7 +135,8 @@ def require_no_fill_values(array: NDArray[Any], name: str) -> None:
         )
 
 
-#: Heights that stand for no data wherever they occur; and those that do if all others are less than half as low.
+#: Heights that stand for no data wherever they occur; and those that do if all others are less than half as low, or if
+#: there are no others.
 NO_HEIGHTS = (-9999.0, -99999.0, -999999.0, -32768.0, -32767.0, 1e20, -1e20)
 NO_HEIGHTS_ALONE = (-99.0, -99.9, -99.99, -99.999, -999.0, -999.9, -999.99, -999.999, -9999.9, -9999.99, -9999.999)
 LOWEST_HEIGHT = -99_000.0
@@ -145,8 +146,8 @@ def first_no_height(
     heights: NDArray[Any], is_there: NDArray[np.bool_], says_no_data: bool = False
 ) -> tuple[int, int] | None:
     """Row and column of the first height that stands for no data and does not say so. The extremes of a type of 16 bits
-    or more are no heights, nor is anything of 1e30 or more; nor the lowest, far below all others, if it is all nines or
-    below -99 000, unless the file says what its no data is."""
+    or more are no heights, nor is anything of 1e30 or more; nor the lowest, far below all others or the only one, if it
+    is all nines or below -99 000, unless the file says what its no data is."""
     is_there = is_there & np.isfinite(heights)
     low, high = heights.min(where=is_there, initial=0), heights.max(where=is_there, initial=0)
     alone = None if says_no_data or low > NO_HEIGHTS_ALONE[0] else _lowest_alone(heights, is_there, low)
@@ -166,17 +167,20 @@ def first_no_height(
 
 
 def _lowest_alone(heights: NDArray[Any], is_there: NDArray[np.bool_], low: Any) -> Any:
-    """The lowest height, if it stands for no data where all others are less than half as low, and they are."""
+    """The lowest height, if it stands for no data where all others are less than half as low, and they are, or there
+    are none."""
     is_nines = low in np.array(NO_HEIGHTS_ALONE).astype(heights.dtype if heights.dtype.kind == "f" else np.float64)
     if not is_nines and low > LOWEST_HEIGHT:
         return None
     others = heights[is_there & (heights != low)]
-    return low if others.size and others.min() > low / 2 else None
+    return low if not others.size or others.min() > low / 2 else None
 
 
-def require_heights(heights: NDArray[Any], is_there: NDArray[np.bool_], how_to_say: str) -> None:
+def require_heights(
+    heights: NDArray[Any], is_there: NDArray[np.bool_], how_to_say: str, says_no_data: bool = False
+) -> None:
     """Of arrays: raises ValueError for a height that stands for no data. how_to_say: that it does; {} is the value."""
-    found = first_no_height(heights, is_there)
+    found = first_no_height(heights, is_there, says_no_data)
     if found is not None:
         value = heights[found].item()
         raise ValueError(
