@@ -119,7 +119,7 @@ def growth(setup, operation, rounds=ROUNDS):
 
 #: Bytes that a round may add: pages that the allocator has not given back, over the rounds.
 LIMIT = 200_000
-#: A round that opens a device builds programs beside a context that stays open, of which PoCL keeps some 100 kB (above).
+#: A round that opens a device builds programs beside a context that stays open: PoCL keeps some 100 kB of them (above).
 #: Where the programs were compiled, too, it was 640 kB. A device that is kept takes 11 MB and a thread.
 LIMIT_WITH_DEVICE = 1_000_000
 #: Bytes of the heap that a round may keep: what caches of the driver still take in.
@@ -131,7 +131,7 @@ import ctypes, gc
 import gnomon
 from processes import *
 class Heap(ctypes.Structure):
-    _fields_ = [(name, ctypes.c_size_t) for name in 'arena ordblks smblks hblks mapped usmblks fsmblks used free top'.split()]
+    _fields_ = [(name, ctypes.c_size_t) for name in 'arena 1 2 3 mapped 5 6 used 8 9'.split()]
 library = ctypes.CDLL(None)
 library.mallinfo2.restype = Heap
 name = gnomon.devices()[0].selector

@@ -240,6 +240,15 @@ def float32_of(array: NDArray[Any], name: str) -> NDArray[np.float32]:
     return rounded
 
 
+def _three_of(names: Any, of_one: str) -> list[Any] | None:
+    """Of names those that are x, y and z, of normals nx, ny and nz too, in any case; None unless each is there once."""
+    places = {one.strip().lower(): one for one in names}
+    for three in [("nx", "ny", "nz")] * (of_one == "normals") + [("x", "y", "z")]:
+        if len(places) == len(names) and all(one in places for one in three):
+            return [places[one] for one in three]
+    return None
+
+
 def columns_of(array: Any, name: str) -> Any:
     """Of a table or a structured array the columns x, y and z, of normals nx, ny and nz too, wherever they stand. Other
     objects stay as they are, and so does a table whose columns have no names."""
@@ -247,12 +256,11 @@ def columns_of(array: Any, name: str) -> Any:
     names = getattr(array, "columns", None) if names is None else names
     if names is None or callable(names) or not all(isinstance(one, str) for one in names):
         return array
-    places = {one.strip().lower(): one for one in names}
-    for three in [("nx", "ny", "nz")] * (name == "normals") + [("x", "y", "z")]:
-        if len(places) == len(names) and all(one in places for one in three):
-            return np.stack([on_host(array[places[one]], name) for one in three], axis=-1)
-    given = ", ".join(names)
-    raise ValueError(f"{name}: of the columns {given} three must be x, y, z, each once; or give an array (N, 3)")
+    three = _three_of(names, name)
+    if three is None:
+        given = ", ".join(names)
+        raise ValueError(f"{name}: of the columns {given} three must be x, y, z, each once; or give an array (N, 3)")
+    return np.stack([on_host(array[one], name) for one in three], axis=-1)
 
 
 def rows_of_triples(array: Any, name: str) -> NDArray[Any]:
@@ -283,10 +291,12 @@ def triple(value: Any, name: str) -> tuple[float, float, float]:
     """Three finite numbers, each rounded once to float32. Of a mapping or a pandas.Series with these names x, y, z."""
     names = getattr(value, "index", None) if hasattr(value, "iloc") else value if isinstance(value, dict) else None
     if names is not None and all(isinstance(one, str) for one in names):
-        places = {one.strip().lower(): one for one in names}
-        if set(places) != set("xyz"):
-            raise ValueError(f"{name}: its names are {', '.join(names)}, and must be x, y, z; or give three numbers")
-        value = [value[places[axis]] for axis in "xyz"]
+        three = _three_of(names, name)
+        if three is None:
+            raise ValueError(
+                f"{name}: of the names {', '.join(names)} three must be x, y, z, each once; or give three numbers"
+            )
+        value = [value[one] for one in three]
     values = on_host(value, name)
     if values.shape != (3,) or values.dtype.kind not in "iuf":
         raise ValueError(f"{name}: must be three numbers, not {value!r}")
