@@ -681,6 +681,15 @@ TEST_F(SceneFile, BrokenGlbHeaders) {
     expect_error(with(16, 0x004E4942), {"first chunk"});
 }
 
+// Its lists are objects, by name.
+TEST_F(SceneFile, OfGltf1) {
+    for (const std::string version : {R"("asset": {"version": "1.0"},)", R"("asset": {"version": 0.8},)", ""}) {
+        const std::string json = "{" + version + R"("meshes": {"a": {}}, "accessors": {}})";
+        expect_error(write("old.gltf", Bytes(json.begin(), json.end())),
+                     {"old.gltf: is glTF 1; only glTF 2.0 can be read: export it as that"});
+    }
+}
+
 TEST_F(SceneFile, GlbWithoutItsBinaryChunk) {
     Gltf gltf = triangle_file();
     gltf.set_buffer("36", "");

@@ -180,6 +180,7 @@ MESHES = {
     "triangles.obj": (rows("v ") + "f 1 2 3\nf 1 3 4\nf 1 4 5\nf 1 5 6\n", ""),
     "concave.ply": (ply(), ""),
     "doubles.ply": (ply("double"), ""),
+    "blender.ply": (ply().replace("element vertex", "Created by Blender3D 247\nelement vertex"), ""),
     "mixed.ply": (ply(faces="3 0 1 2\n5 3 4 5 0 2\n", count=2), ""),
     "concave.off": ("OFF\n6 1 0\n" + rows() + "6 2 3 4 5 0 1\n", ""),
     "one_line.off": ("OFF 6 1 0 # an L\n" + rows() + "6 2 3 4 5 0 1 255 0 0\n", ""),
@@ -245,6 +246,10 @@ def test_binary_ply_with_faces_of_many_kinds(tmp_path, order, others, faces):
 
 NO_MESHES = {
     "headless.ply": ("ply\nformat ascii 1.0\nelement vertex 6\n", "has no whole header of a PLY file"),
+    "cut_off.off": ("OFF\n6 2 0\n" + rows() + "3 0 1 2\n", "is cut off: it says that it has 6 vertices and 2 faces"),
+    "cut_row.off": ("OFF\n6 1 0\n" + rows() + "6 2 3 4\n", "is cut off: it says that it has 6 vertices and 1 faces"),
+    "four.off": ("4OFF\n1 0 0\n0 0 0 1\n", "begins with '4OFF' and not with OFF"),
+    "empty.off": ("", "empty.off: cannot be read: is empty"),
     "typed.ply": (ply("half"), 'its header has the type "half", which is not known'),
     "beyond.ply": (ply(faces="3 0 1 6\n"), "a face names a vertex that is not among its 6"),
     "empty.ply": ("", "empty.ply"),
@@ -252,6 +257,10 @@ NO_MESHES = {
     "strips.ply": (ply(element="tristrips", faces="4 0 1 5 2\n"), "triangle strips, which are not read"),
     "bad.obj": (rows("v ") + "f 1 2 3 9\n", "names a vertex that is not among its 6"),
     "zero.obj": (rows("v ") + "f 0 1 2\n", "names vertex 0, and they count from 1"),
+    "text.stl": (
+        "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n",
+        "is cut off: its last line is no endsolid",
+    ),
     "short.stl": ("x".ljust(80) + "\x05\0\0\0" + "\0" * 100, "is cut off: it says that it has 5 triangles, and has 2"),
     "wires.obj": (rows("v ") + "l 1 2 3\n", "1 points, lines.*has no triangles"),
     "model.foo": ("x", "'foo' not supported"),

@@ -55,6 +55,10 @@ def reading(name: str) -> Iterator[None]:
         yield
     except UnreadableError:
         raise
+    except ModuleNotFoundError as error:
+        package = error.name
+        remedy = f"pip install {package}, or write it as .ply, .obj or .glb, and give that"
+        raise UnreadableError(f"{name}: needs the Python package {package}: {remedy}") from error
     except Exception as error:  # a loader may raise anything at a broken file
         text = str(error)
         is_own = Path(name).suffix.lower() in (".ply", ".obj", ".off", ".stl", ".glb", ".gltf", ".json", ".jsonl")
@@ -142,9 +146,13 @@ def read_by_trimesh(name: str) -> tuple[Polygons | NDArray[np.float64], tuple[st
 
 
 def _require_whole_stl(name: str) -> None:
-    """Raises UnreadableError for a binary file that is shorter than its number of triangles."""
+    """Raises UnreadableError for a binary file that is shorter than its number of triangles, or a text without end."""
     with open(name, "rb") as file:
         head = file.read(1024)
+        file.seek(max(0, Path(name).stat().st_size - 1024))
+        tail = file.read()
+    if head.lstrip().startswith(b"solid") and b"facet" in head and b"endsolid" not in tail:
+        raise UnreadableError(f"{name}: is cut off: its last line is no endsolid")
     count, room = int.from_bytes(head[80:84], "little"), (Path(name).stat().st_size - 84) // 50
     if b"facet" not in head and len(head) >= 84 and room < count:
         raise UnreadableError(f"{name}: is cut off: it says that it has {count} triangles, and has {room}")
@@ -170,13 +178,19 @@ def _obj(text: str) -> Polygons:
 
 def _off(text: str) -> Polygons:
     lines = [words for line in text.splitlines() if (words := line.split("#", 1)[0].split())]
-    if not lines[0][0].endswith("OFF") or "4OFF" in lines[0][0] or "nOFF" in lines[0][0]:
-        raise ValueError("does not begin with OFF")
+    first = lines[0][0] if lines else ""
+    if not first.endswith("OFF") or "4OFF" in first or "nOFF" in first:
+        begins = f"begins with {first!r} and not with OFF, vertices of three coordinates" if lines else "is empty"
+        raise ValueError(begins)
     lines[0] = lines[0][1:]
     lines = lines[not lines[0] :]
     vertex_count, face_count = int(lines[0][0]), int(lines[0][1])
     vertices = np.array([line[:3] for line in lines[1 : 1 + vertex_count]], np.float64)
     rows = lines[1 + vertex_count : 1 + vertex_count + face_count]
+    if len(rows) < face_count or any(len(row) <= int(row[0]) for row in rows):
+        raise ValueError(
+            f"is cut off: it says that it has {vertex_count} vertices and {face_count} faces, and has fewer"
+        )
     return vertices, [np.array(row[1 : 1 + int(row[0])], np.int64) for row in rows]
 
 

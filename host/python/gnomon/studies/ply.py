@@ -77,9 +77,7 @@ def _header(data: bytes) -> tuple[list[Element], bool, int]:
                 elements[-1].properties.append(Property(name, *_types(order, kind), _types(order, count)[1]))
             case ["property", kind, name] if elements and order:
                 elements[-1].properties.append(Property(name, *_types(order, kind), None))
-            case [] | ["comment" | "obj_info", *_]:
-                pass
-            case _:
+            case ["format" | "element" | "property", *_]:  # other lines are for people
                 raise ValueError(f'its header has the line "{line}", which is not known')
     return elements, order == TEXT, last.end()
 
