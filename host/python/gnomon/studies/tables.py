@@ -85,7 +85,7 @@ class _NpyTable:
             self.refuse(row, f'{name} = "{self.text(row, name)}", which is beyond float32')
         return values
 
-    def require_degrees(self, azimuths: NDArray[np.float64], elevations: NDArray[np.float64]) -> None:
+    def require_degrees(self, azimuths: list[float], elevations: list[float]) -> None:
         self._headings.require_degrees(azimuths, elevations)  # a table without headings has no angles
 
     def refuse(self, row: int, reason: str) -> NoReturn:
@@ -132,7 +132,7 @@ def read_suns(file: str) -> SunTable:
         table.require(["x", "y", "z"], "a table of suns needs the columns x, y, z or azimuth, elevation")
     has_directions = _has(table, "x", "y", "z")
     if not has_directions:
-        table.require_degrees(table.numbers("azimuth"), table.numbers("elevation"))
+        table.require_degrees(table.numbers("azimuth").tolist(), table.numbers("elevation").tolist())
     weights = np.ones(len(table))
     if _has(table, "weight"):
         weights = table.float_numbers("weight").astype(np.float64)
@@ -196,8 +196,9 @@ def read_points(file: str) -> NDArray[np.float64]:
     points = np.stack([table.numbers(name) for name in names], axis=1)
     found = first_no_height(points[:, 2:3], np.ones((len(points), 1), bool))
     if found is not None:
-        row = found[0]
-        table.refuse(row, f"z = {points[row, 2]:g}, which is no height but stands for no data: leave the row out")
+        table.refuse(
+            found[0], f"z = {points[found[0], 2]:g}, which is no height but stands for no data: leave the row out"
+        )
     if len(names) > 3 and (row := first_row((points[:, 3:] == 0).all(axis=1))) is not None:
         table.refuse(row, "nx, ny, nz = 0, 0, 0, which is no side")
     return points
