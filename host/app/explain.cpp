@@ -59,7 +59,7 @@ Explained explain_in(const ExplainOptions& options, const Device& device, const 
     const auto [width, height] = options.size;
     const auto [x, y] = *options.pixel;
     const ChosenCamera camera = choose_camera(options, scene);
-    print_camera_note(options, camera);
+    print_camera_note(options, scene, camera);
     const View view = look(device, triangles, camera.camera, width, height);
     const std::size_t pixel = std::size_t(y) * width + x;
     explained.where = where_of(options, camera);

@@ -200,7 +200,7 @@ void gallery(const GalleryOptions& options) {
     for (const Chosen& one : all) make_technique(device, one.technique.name, one.settings);
     const scene::Scene scene = load_scene(options, true);
     const ChosenCamera camera = choose_camera(options, scene);
-    print_camera_note(options, camera);
+    print_camera_note(options, scene, camera);
     const ChosenLight light = choose_light(options, scene);
 
     const Triangles triangles = upload_triangles(device, scene);

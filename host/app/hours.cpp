@@ -201,7 +201,7 @@ Reached hours_of_picture(const HoursOptions& options, const Device& device, Tech
                          Outputs& outputs) {
     const auto [width, height] = options.size;
     const ChosenCamera camera = choose_camera(options, scene);
-    print_camera_note(options, camera);
+    print_camera_note(options, scene, camera);
     const View seen = look(device, triangles, camera.camera, width, height);
     const ViewOnHost view = seen.read(device, triangles);
     Points points = seen.points;

@@ -413,7 +413,7 @@ ChosenCamera camera_of_frame(const RenderOptions& options, const scene::Scene& s
         for (std::uint32_t frame = 1; frame < options.frames && !scene.animation.empty(); ++frame)
             framing.add(shared.source.at(frame_time(options, *options.time_s, frame)));
     });
-    print_camera_note(options, chosen);
+    print_camera_note(options, scene, chosen);
     if (scene.cameras.empty() && options.frames > 0) shared.framing = chosen;
     return chosen;
 }

@@ -70,9 +70,10 @@ ChosenCamera camera_with_its_own_view(const ViewOptions& options, const scene::S
     }
     if (!scene.cameras.empty())
         return {scene.cameras.front().camera, "the scene's first camera, \"" + scene.cameras.front().name + "\""};
-    scene::Framing framing(scene, double(options.size.width) / double(options.size.height));
-    if (add_more) add_more(framing);
-    return {framing.camera(), "the default: frames the scene, or stands in an interior", framing.left_out(scene)};
+    const double aspect = double(options.size.width) / double(options.size.height);
+    const auto framing = std::make_shared<scene::Framing>(scene, aspect);
+    if (add_more) add_more(*framing);
+    return {framing->camera(), "the default: frames the scene, or stands in an interior", framing};
 }
 
 }  // namespace
@@ -143,8 +144,10 @@ ChosenCamera choose_camera(const ViewOptions& options, const scene::Scene& scene
     return chosen;
 }
 
-void print_camera_note(const ViewOptions& options, const ChosenCamera& chosen) {
-    if (!options.quiet && !chosen.note.empty()) print_note(chosen.note);
+void print_camera_note(const ViewOptions& options, const scene::Scene& scene, const ChosenCamera& chosen) {
+    if (options.quiet || !chosen.framing) return;
+    for (const std::string& note : {chosen.framing->left_out(scene), chosen.framing->hidden(scene)})
+        if (!note.empty()) print_note(note);
 }
 
 ChosenLight choose_light(const ViewOptions& options, const scene::Scene& scene) {

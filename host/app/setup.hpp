@@ -52,7 +52,7 @@ std::unique_ptr<Technique> make_technique(const Device& device, const std::strin
 struct ChosenCamera {
     Camera camera;
     std::string source;  ///< for people: "the scene's camera \"main\"", "--eye and --target", ...
-    std::string note{};  ///< of the default view: what it does not frame
+    std::shared_ptr<const scene::Framing> framing{};  ///< of the default view
 };
 
 struct ChosenLight {
@@ -65,8 +65,8 @@ struct ChosenLight {
 /// `add_more`: adds other times of an animation to what the default camera frames.
 ChosenCamera choose_camera(const ViewOptions& options, const scene::Scene& scene,
                            const std::function<void(scene::Framing&)>& add_more = {});
-/// The note, unless --quiet.
-void print_camera_note(const ViewOptions& options, const ChosenCamera& chosen);
+/// What the default view does not show of the scene, unless --quiet.
+void print_camera_note(const ViewOptions& options, const scene::Scene& scene, const ChosenCamera& chosen);
 ChosenLight choose_light(const ViewOptions& options, const scene::Scene& scene);
 /// All lights of the scene, in its order, for "--light all" if no light has that name; else choose_light()'s.
 std::vector<ChosenLight> choose_lights(const ViewOptions& options, const scene::Scene& scene);

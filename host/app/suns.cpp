@@ -152,6 +152,7 @@ SunTable read_suns(const std::filesystem::path& file, double north_degrees) {
     const bool has_angles = rows.has("azimuth") && rows.has("elevation");
     if (!has_direction && !has_angles)
         rows.require({"x", "y", "z"}, "a table of suns needs the columns x, y, z or azimuth, elevation");
+    if (!has_direction) rows.require_degrees(rows.numbers("azimuth"), rows.numbers("elevation"));
     SunTable table;
     for (std::size_t row = 0; row < rows.rows(); ++row) {
         Sun sun;

@@ -105,6 +105,14 @@ auto vector_of(const Array& array) {
 
 gnomon::Light light_of(const std::array<float, 4>& xyzw) { return gnomon::Light{xyzw}; }
 
+// What Python sees of a device's description, and what travels when it is pickled.
+auto fields_of(auto& d) {
+    return std::tie(d.selector, d.name, d.platform, d.vendor, d.driver_version, d.opencl_version, d.type,
+                    d.compute_units, d.global_memory_bytes, d.has_fp64, d.lacks, d.note, d.is_default);
+}
+using DeviceFields = decltype(std::apply([](const auto&... field) { return std::tuple(field...); },
+                                         fields_of(std::declval<gnomon::DeviceDescription&>())));
+
 void bind_devices(nb::module_& m) {
     using gnomon::DeviceDescription;
     m.def("require_unforked", &gnomon::cl::require_unforked);
@@ -125,6 +133,12 @@ void bind_devices(nb::module_& m) {
         .def_ro("lacks", &DeviceDescription::lacks)
         .def_ro("note", &DeviceDescription::note)
         .def_ro("is_default", &DeviceDescription::is_default)
+        .def("__getstate__", [](const DeviceDescription& d) { return DeviceFields(fields_of(d)); })
+        .def("__setstate__",
+             [](DeviceDescription& d, const DeviceFields& fields) {
+                 new (&d) DeviceDescription();
+                 fields_of(d) = fields;
+             })
         .def("__repr__", [](const DeviceDescription& d) {
             return "<gnomon.DeviceDescription " + d.selector + " '" + d.name + "' (" + d.type + ", " + d.platform +
                    (d.lacks.empty() ? "" : ", lacks " + d.lacks) + (d.is_default ? ", the default)>" : ")>");
@@ -753,7 +767,8 @@ void bind_tables(nb::module_& m) {
         .def("float_numbers",
              [](const NumberTable& table, std::string_view name) { return row_of(table.float_numbers(name)); })
         .def("refuse", &NumberTable::refuse)
-        .def("require", &NumberTable::require);
+        .def("require", &NumberTable::require)
+        .def("require_degrees", &NumberTable::require_degrees);
 }
 
 // Each C++ exception becomes the Python exception that its reader expects; the texts are the same.

@@ -131,6 +131,15 @@ Camera best_camera(const Scene& scene, const Content& content, const std::vector
     return camera_towards(viewers[shown[0] >= least_shown * shown[best] ? 0 : best]);
 }
 
+/// The mesh's box has the other box on four sides and above, and is far larger.
+bool is_around(const Bounds& mesh, const Bounds& others) {
+    constexpr double far_larger = 4;
+    const bool is_beside = mesh.least.x < others.least.x && mesh.most.x > others.most.x &&
+                           mesh.least.z < others.least.z && mesh.most.z > others.most.z;
+    return is_beside && mesh.most.y > others.most.y &&
+           all(greaterThan(mesh.sides(), glm::dvec3(far_larger * largest_coordinate(others.sides()))));
+}
+
 }  // namespace
 
 Framing::Framing(const Scene& scene, double aspect)
@@ -239,6 +248,28 @@ std::string Framing::left_out(const Scene& scene) const {
         "the default view does not frame {} of {}{}{}: what is around, wide or far beside the others would make these "
         "small or hide them; all are drawn and cast shadows, and --eye and --target give another view",
         total, counted(scene.triangle_count(), "triangle"), names.empty() ? "" : ", ", listed(names, 3));
+}
+
+std::string Framing::hidden(const Scene& scene) const {
+    if (is_interior_) return "";
+    std::vector<Bounds> boxes(scene.mesh_names.size());
+    std::size_t use = 0;
+    for_each_finite_triangle(scene, [&](const float* t) {
+        if (!content_->has(t)) return;
+        const auto triangle = std::size_t(t - scene.triangles.data()) / 9;
+        while (use + 1 < scene.mesh_uses.size() && scene.mesh_uses[use + 1].first_triangle <= triangle) ++use;
+        if (use >= scene.mesh_uses.size()) return;
+        for (int k = 0; k < 9; k += 3) boxes[std::size_t(scene.mesh_uses[use].mesh)].add(loaded(t + k));
+    });
+    const auto top = std::ranges::max_element(boxes, {}, [](const Bounds& box) { return box.most.y; });
+    Bounds others;
+    for (auto box = boxes.begin(); box != boxes.end(); ++box)
+        if (box != top && !box->is_empty()) others.add(*box);
+    if (others.is_empty() || !is_around(*top, others)) return "";
+    return fmt::format(
+        "the default view shows {} from outside, and all else is far smaller and inside of it: --eye and --target show "
+        "that from there",
+        scene.mesh_names[std::size_t(top - boxes.begin())]);
 }
 
 Camera framing_camera(const Scene& scene, double aspect) { return Framing(scene, aspect).camera(); }

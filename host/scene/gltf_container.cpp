@@ -40,7 +40,7 @@ GltfContainer read_glb(const std::filesystem::path& file, std::uint64_t size) {
     const std::vector<unsigned char> header = read_bytes(file, {0, header_bytes}, file);
     const std::uint32_t version = little_endian_u32(&header[4]);
     const std::uint64_t length = little_endian_u32(&header[8]);
-    if (version != 2) fail(file, "is a .glb of version {}; only version 2 can be read", version);
+    if (version != 2) fail(file, "is a .glb of version {}; only version 2 can be read: export it as glTF 2.0", version);
     if (length > size)
         cut_off(fmt::format("its header promises {}, but the file has only {}", counted(length, "byte"), size));
 
@@ -67,7 +67,9 @@ GltfContainer read_glb(const std::filesystem::path& file, std::uint64_t size) {
 }  // namespace
 
 std::uint64_t file_size(const std::filesystem::path& file, const std::filesystem::path& scene_file) {
-    const std::string subject = file == scene_file ? std::string() : "its file " + in_quotes(file.string()) + " ";
+    const std::string own = file.lexically_relative(scene_file.parent_path()).string();
+    const std::string subject =
+        file == scene_file ? "" : "its file " + in_quotes(own.empty() ? file.string() : own) + " ";
     std::error_code error;
     const std::filesystem::file_status status = std::filesystem::status(file, error);
     if (status.type() == std::filesystem::file_type::not_found) fail(scene_file, subject + "does not exist");

@@ -41,6 +41,7 @@ enum class Need { optional, required };
 class Checks {
 public:
     Checks(const std::filesystem::path& file, const json& root) : file_(file), root_(root) {
+        asset();
         for (const std::string name : {"accessors", "animations", "buffers", "bufferViews", "cameras", "materials",
                                        "meshes", "nodes", "scenes", "skins"})
             counts_[name] = count(name);
@@ -49,7 +50,6 @@ public:
     }
 
     void run() {
-        asset();
         extensions();
         each("buffers", [this](const json& o, const Path& at) { buffer(o, at); });
         each("bufferViews", [this](const json& o, const Path& at) { buffer_view(o, at); });
@@ -180,10 +180,13 @@ private:
     // ---- the schema ----
 
     void asset() const {
+        const auto is_object = [this](const char* list) { return root_.contains(list) && root_[list].is_object(); };
+        if (is_object("accessors") && is_object("meshes"))  // some such files have no version
+            fail(file_, "is glTF 1; only glTF 2.0 can be read: export it as that");
         const json* asset = object(root_, {}, "asset", Need::required);
         const Path at{.member = "asset"};
         if (const std::string& version = *string(*asset, at, "version", Need::required); !version.starts_with("2."))
-            reject(at, "version", "is " + in_quotes(version) + "; only glTF 2.0 can be read");
+            reject(at, "version", "is " + in_quotes(version) + "; only glTF 2.0 can be read: export it as that");
         if (const std::string* least = string(*asset, at, "minVersion", Need::optional); least && *least != "2.0")
             reject(at, "minVersion", "is " + in_quotes(*least) + "; only glTF 2.0 can be read");
     }

@@ -153,6 +153,8 @@ bool is_degrees(std::string_view unit) {
     return std::ranges::find(degrees, unit) != degrees.end();
 }
 
+constexpr double largest_azimuth = 6.3, largest_elevation = 1.6;  // radians, rounded up as tables may round them
+
 bool is_metres(std::string_view unit) {
     constexpr std::array metres{"", "m", "metre", "metres", "meter", "meters"};
     return std::ranges::find(metres, unit) != metres.end();
@@ -194,6 +196,7 @@ void NumberTable::take_line(std::size_t number, std::vector<std::string> cells, 
         if (std::ranges::none_of(cells, is_number)) return take_headings(std::move(cells), columns);
         for (const auto& names : columns.unnamed)
             if (names.size() == cells.size()) names_ = names;
+        units_.resize(names_.size());
         if (names_.empty()) {
             std::string counts;
             for (const auto& names : columns.unnamed)
@@ -228,6 +231,7 @@ void NumberTable::take_headings(std::vector<std::string> cells, const TableColum
         if (!heading.name.empty() && std::ranges::find(names_, heading.name) != names_.end())
             throw InvalidArgument(joined({file_, ": has two columns \"", heading.name, "\""}));
         names_.push_back(heading.name);
+        units_.push_back(heading.unit);
     }
 }
 
@@ -238,6 +242,19 @@ void NumberTable::require(const std::vector<std::string>& columns, const std::st
     std::string there;
     for (const std::string& name : names_) there.append(there.empty() ? "; it has " : ", ").append(name);
     throw InvalidArgument(joined({file_, ": ", what, there.empty() ? "; it is empty" : there}));
+}
+
+void NumberTable::require_degrees(const std::vector<double>& azimuths, const std::vector<double>& elevations) const {
+    if (!units_[column("azimuth")].empty() || !units_[column("elevation")].empty()) return;
+    const auto are_within = [](const std::vector<double>& values, double most) {
+        return std::ranges::all_of(values, [most](double value) { return std::fabs(value) <= most; });
+    };
+    const bool has_sun = std::ranges::any_of(elevations, [](double elevation) { return elevation > 0; });
+    if (has_sun && are_within(elevations, largest_elevation) && are_within(azimuths, largest_azimuth))
+        throw InvalidArgument(
+            file_ +
+            ": its azimuths and elevations are as small as radians, and must be degrees: turn them into "
+            "degrees, or write \"azimuth [deg]\" and \"elevation [deg]\" above them if that is what they are");
 }
 
 std::size_t NumberTable::column(std::string_view name) const {

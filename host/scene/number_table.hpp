@@ -42,6 +42,9 @@ public:
     [[noreturn]] void refuse(std::size_t row, const std::string& reason) const;
     /// Throws unless the table has these columns; the message ends with those that it has.
     void require(const std::vector<std::string>& columns, const std::string& what) const;
+    /// Of the values of the columns azimuth and elevation: throws if the headings name no unit and all values are as
+    /// small as radians, with a sun above the horizon.
+    void require_degrees(const std::vector<double>& azimuths, const std::vector<double>& elevations) const;
 
 private:
     void take_line(std::size_t number, std::vector<std::string> cells, const TableColumns& columns);
@@ -51,9 +54,9 @@ private:
     Value value(std::size_t row, std::string_view column) const;
 
     std::string file_;
-    std::vector<std::string> names_;
-    std::vector<std::size_t> lines_;  ///< of each row, from 1 on
-    std::vector<std::string> cells_;  ///< names_.size() for each row
+    std::vector<std::string> names_, units_;  ///< of the columns
+    std::vector<std::size_t> lines_;          ///< of each row, from 1 on
+    std::vector<std::string> cells_;          ///< names_.size() for each row
 };
 
 }  // namespace gnomon::scene

@@ -191,6 +191,8 @@ public:
     Camera camera() const;
     /// One sentence on the triangles of this scene that are not framed, and their meshes; empty if all are.
     std::string left_out(const Scene& scene) const;
+    /// One sentence on a mesh that is seen from outside and has all others inside, far smaller; empty if there is none.
+    std::string hidden(const Scene& scene) const;
 
 private:
     static constexpr double nothing = -std::numeric_limits<double>::infinity();

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "shell.hpp"
 
+#include <bitset>
+#include <map>
 #include <set>
 
 #include "content.hpp"
@@ -12,6 +14,7 @@ constexpr double slack_share = 0.01;   ///< of the content's largest side: how f
 constexpr double ground_share = 0.01;  ///< of the content's height: what lies lower may be ground, wider than a dome
 constexpr double core_share = 0.2;     ///< of what is seen, on each side of its middle: a shell is not there
 constexpr double sliver_height = 0x1p-16;  ///< of its coordinates: float32 has turned the plane of what is lower
+constexpr double level_slope = 0.01;       ///< of ground that is level
 constexpr double near_share = 1.5;         ///< of the way from a shell's middle to a sliver of it
 constexpr double width_beside_ground = 0.5;
 constexpr std::size_t least_lines = 5;  ///< along each axis, that meet the shell
@@ -38,6 +41,7 @@ std::optional<Shell::Plane> Shell::plane_of(const float* t) {
 }
 
 bool Shell::has(const float* triangle) const {
+    if (is_in(triangle, ground_)) return true;
     if (is_in(triangle, core_)) return false;
     const std::optional<Plane> plane = plane_of(triangle);
     if (!plane)
@@ -60,6 +64,30 @@ double Shell::exit(const glm::dvec3& inside, const glm::dvec3& to) const {
         if (way < 0) part = std::min(part, (plane.level - dot(plane.normal, inside)) / way);
     }
     return part;
+}
+
+bool Shell::is_level(const float* triangle) {
+    const std::optional<Plane> plane = plane_of(triangle);
+    return plane && std::hypot(plane->normal.x, plane->normal.z) < level_slope;
+}
+
+double Shell::ground_height(const Scene& scene, const Content& content) {
+    const Bounds& all = content.bounds();
+    std::map<double, std::bitset<4>> sides_at;  // that the level triangles of a height reach
+    for_each_finite_triangle(scene, [&](const float* t) {
+        const double height = std::max({t[1], t[4], t[7]});
+        std::bitset<4> sides;
+        for (int k = 0; k < 9; k += 3)
+            for (const int axis : {0, 2}) {
+                sides[std::size_t(axis)] = sides[std::size_t(axis)] || t[k + axis] == all.least[axis];
+                sides[std::size_t(axis) + 1] = sides[std::size_t(axis) + 1] || t[k + axis] == all.most[axis];
+            }
+        if (sides.any() && height < all.middle().y && content.has(t) && is_level(t)) sides_at[height] |= sides;
+    });
+    double height = all.least.y;
+    for (const auto& [of_level, sides] : sides_at)
+        if (sides.all()) height = of_level;
+    return height;
 }
 
 /// The planes of what is seen from four sides and from above, if they all have each other on one side.
@@ -105,9 +133,15 @@ bool Shell::find(const Scene& scene, const Content& content, double least_height
 std::optional<Shell> Shell::around(const Scene& scene, const Content& content) {
     const Bounds& all = content.bounds();
     if (all.is_empty()) return {};
-    const double least_height = all.least.y + ground_share * all.sides().y;
+    const double least_height = ground_height(scene, content) + ground_share * all.sides().y;
     Shell shell;
     if (!shell.find(scene, content, least_height)) return {};
+    Bounds ground;
+    for_each_finite_triangle(scene, [&](const float* t) {
+        if (is_level(t) && is_below(t, least_height) && content.has(t) && shell.has(t))
+            for (int k = 0; k < 9; k += 3) ground.add(loaded(t + k));
+    });
+    shell.ground_ = ground;
     Bounds rest;
     bool is_all_inside = true;
     for_each_finite_triangle(scene, [&](const float* t) {

@@ -681,6 +681,15 @@ TEST_F(SceneFile, BrokenGlbHeaders) {
     expect_error(with(16, 0x004E4942), {"first chunk"});
 }
 
+// Its lists are objects, by name.
+TEST_F(SceneFile, OfGltf1) {
+    for (const std::string version : {R"("asset": {"version": "1.0"},)", R"("asset": {"version": 0.8},)", ""}) {
+        const std::string json = "{" + version + R"("meshes": {"a": {}}, "accessors": {}})";
+        expect_error(write("old.gltf", Bytes(json.begin(), json.end())),
+                     {"old.gltf: is glTF 1; only glTF 2.0 can be read: export it as that"});
+    }
+}
+
 TEST_F(SceneFile, GlbWithoutItsBinaryChunk) {
     Gltf gltf = triangle_file();
     gltf.set_buffer("36", "");
@@ -1331,6 +1340,21 @@ std::vector<float> sphere(int columns, int rows, bool is_dome = false) {
     return triangles;
 }
 
+std::vector<float> moved(std::vector<float> t, gnomon::Float3 by) {
+    for (std::size_t i = 0; i < t.size(); ++i) t[i] += by[i % 3];
+    return t;
+}
+
+/// Triangles with a middle height in between.
+std::vector<float> part_of(const std::vector<float>& t, double least, double most) {
+    std::vector<float> part;
+    for (std::size_t i = 0; i < t.size(); i += 9) {
+        const double y = (t[i + 1] + t[i + 4] + t[i + 7]) / 3.0;
+        if (y >= least && y <= most) part.insert(part.end(), t.begin() + i, t.begin() + i + 9);
+    }
+    return part;
+}
+
 // A closed box, sphere or dome around all else hides it from outside, whichever side its faces show.
 TEST(DefaultCamera, StandsInASky) {
     const std::vector<float> house = turned(cuboid({-5, 0, -4}, {5, 6, 4}), 30);
@@ -1354,6 +1378,14 @@ TEST(DefaultCamera, StandsInASky) {
         {"a dome on ground that is as wide", house, together(times(400, sphere(24, 12, true)), ground)},
         {"a dome on ground that is wider", house, together(times(300, sphere(24, 12, true)), ground)},
         {"a box in a sphere", house, together(box, times(1000, sphere(24, 12)))},
+        {"a dome alone", house, times(400, sphere(24, 12, true))},
+        {"a coarse dome", house, times(400, sphere(6, 3, true))},
+        {"a dome on narrower ground", house, together(times(400, sphere(24, 12, true)), times(0.5, ground))},
+        {"a dome on ground nearly as wide", house, together(times(400, sphere(24, 12, true)), times(0.8, ground))},
+        {"a dome that goes on below wider ground", house,
+         together(moved(times(400, sphere(24, 12, true)), {0, -50, 0}), ground)},
+        {"a sphere without its lowest part", house, part_of(times(400, sphere(24, 12)), -200, 400)},
+        {"a box without a bottom", house, part_of(box, -299, 300)},
         {"a small box", turned(cuboid({-1, 0, -1}, {1, 2, 1}), 10), cuboid({-9, 0, -9}, {9, 30, 9})},
         {"two houses", together(house, cuboid({40, 0, 0}, {49, 9, 9})), box},
         {"a house off the middle", cuboid({150, 0, -60}, {160, 9, -50}), box},
@@ -1374,6 +1406,31 @@ TEST(DefaultCamera, StandsInASky) {
                 hidden += std::size_t(is_hidden(camera, {content[v], content[v + 1], content[v + 2]}, sky));
             EXPECT_LE(6 * hidden, content.size() / 3) << name << ' ' << aspect << ": hidden";
         }
+}
+
+// A sky that is open above, or bulges, is seen from outside; a sentence says so.
+TEST(DefaultCamera, SaysThatASkyIsSeenFromOutside) {
+    const std::vector<float> house = cuboid({-5, 0, -4}, {5, 6, 4}), ball = times(400, sphere(24, 12));
+    const std::vector<float> box = cuboid({-300, -300, -300}, {300, 300, 300});
+    std::vector<float> bulging = ball;
+    for (std::size_t i = 0; i < bulging.size(); i += 3) {
+        const float size = 1 + 0.2f * std::sin(bulging[i] / 40) * std::cos(bulging[i + 2] / 40);
+        for (std::size_t k = 0; k < 3; ++k) bulging[i + k] *= size;
+    }
+    const auto said = [&](const std::vector<float>& sky) {
+        Scene scene;
+        scene.triangles = together(house, sky);
+        scene.mesh_uses = {{0, 1}, {house.size() / 9, 0}};
+        scene.mesh_names = {"mesh 'sky'", "mesh 1"};
+        return gnomon::scene::Framing(scene, 1).hidden(scene);
+    };
+    for (const auto& sky : {part_of(ball, -500, 380), part_of(box, -300, 299), inside_out(bulging)})
+        EXPECT_EQ(said(sky),
+                  "the default view shows mesh 'sky' from outside, and all else is far smaller and inside "
+                  "of it: --eye and --target show that from there")
+            << sky.size();
+    for (const auto& sky : {ball, box, cuboid({-300, -2, -300}, {300, -1, 300}), cuboid({-15, 0, -15}, {15, 15, 15})})
+        EXPECT_EQ(said(sky), "");
 }
 
 // Where a sky leaves less room than the picture of all would take, the eye stands in it nevertheless.

@@ -202,6 +202,18 @@ TEST_F(Suns, RefusesWhatItCannotRead) {
     EXPECT_THROW(read_suns(folder_ / "none.csv", 0), gnomon::Error);
 }
 
+// tests/python/study/test_sun_tables.py has the same.
+TEST_F(Suns, AnglesThatMayBeRadiansMustSayThatTheyAreDegrees) {
+    for (const char* rows : {"1.57,0.2\n3.14,1.05\n-6.2832,-1.5708\n", "4.71,0.001\n", "0,1.6\n6.3,-1\n"}) {
+        expect_refused(std::string("azimuth,elevation\n") + rows,
+                       "as small as radians, and must be degrees: turn them into degrees, or write \"azimuth [deg]\" "
+                       "and \"elevation [deg]\" above them");
+        EXPECT_GE(read_suns(file(std::string("azimuth [deg],elevation [deg]\n") + rows), 0).suns.size(), 1u);
+    }
+    for (const char* rows : {"90,0.5\n", "0,2\n", "0,-1\n", "1,1\n100,-20\n", "0,0\n"})
+        EXPECT_NO_THROW(read_suns(file(std::string("azimuth,elevation\n") + rows), 0)) << rows;
+}
+
 // tests/python/study/test_sun_tables.py reads the same tables.
 TEST(NumberTable, ReadsTablesAsPeopleHaveThem) {
     const auto cases = nlohmann::json::parse(std::ifstream(GNOMON_TESTS "/command/tables_of_points.json"));

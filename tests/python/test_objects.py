@@ -188,7 +188,7 @@ def test_lights_go_by_their_names():
     scene = gnomon.Scene(ROOF)
     for light in ({"z": -1, "x": 0, "y": 0}, pytest.importorskip("pandas").Series({"Z": -1.0, "Y": 0, "X": 0})):
         assert scene.lit([[0, 0, 0], [5, 0, 0]], direction=light).tolist() == [False, True]
-    with pytest.raises(ValueError, match="direction: its names are a, b, c, and must be x, y, z"):
+    with pytest.raises(ValueError, match="direction: of the names a, b, c three must be x, y, z, each once"):
         scene.lit([[0, 0, 0]], direction={"a": 0, "b": 0, "c": -1})
 
 

@@ -269,6 +269,11 @@ def test_small_objects_travel(way):
     assert through(gnomon.Side.normals([[0, 0, 1]])).value == [[0, 0, 1]]
     assert through(gnomon.Technique("pcf", {"size": 64})) == gnomon.Technique("pcf", {"size": 64})
     assert through(gnomon.Lights.directions([[0, 0, -1]], [2.0])).weights == [2.0]
+    names = [name for name in dir(gnomon.DeviceDescription) if not name.startswith("_")]
+    for device in gnomon.devices():
+        travelled = through(device)
+        assert [getattr(travelled, name) for name in names] == [getattr(device, name) for name in names]
+        assert len(names) == 13 and repr(travelled) == repr(device)
     scene = gnomon.Scene(ROOF)
     result = through(scene.lit_by(POINTS, gnomon.Lights.directions([DOWN]), bits=True))
     assert result.lit().tolist() == [[lit] for lit in RIGHT]

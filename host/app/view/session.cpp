@@ -108,7 +108,7 @@ ChosenCamera ViewSession::camera_of(const ViewOptions& options, Pose& pose) {
     if (found != pose.framings.end()) return found->second;
     if (pose.framings.size() > 64) pose.framings.clear();
     ChosenCamera framing = choose_camera(options, pose.scene);
-    if (!std::exchange(has_told_, true)) print_camera_note(options, framing);
+    if (!std::exchange(has_told_, true)) print_camera_note(options, pose.scene, framing);
     return pose.framings.emplace(aspect, std::move(framing)).first->second;
 }
 

@@ -135,7 +135,8 @@ def require_no_fill_values(array: NDArray[Any], name: str) -> None:
         )
 
 
-#: Heights that stand for no data wherever they occur; and those that do if all others are less than half as low.
+#: Heights that stand for no data wherever they occur; and those that do if all others are less than half as low, or if
+#: there are no others.
 NO_HEIGHTS = (-9999.0, -99999.0, -999999.0, -32768.0, -32767.0, 1e20, -1e20)
 NO_HEIGHTS_ALONE = (-99.0, -99.9, -99.99, -99.999, -999.0, -999.9, -999.99, -999.999, -9999.9, -9999.99, -9999.999)
 LOWEST_HEIGHT = -99_000.0
@@ -145,8 +146,8 @@ def first_no_height(
     heights: NDArray[Any], is_there: NDArray[np.bool_], says_no_data: bool = False
 ) -> tuple[int, int] | None:
     """Row and column of the first height that stands for no data and does not say so. The extremes of a type of 16 bits
-    or more are no heights, nor is anything of 1e30 or more; nor the lowest, far below all others, if it is all nines or
-    below -99 000, unless the file says what its no data is."""
+    or more are no heights, nor is anything of 1e30 or more; nor the lowest, far below all others or the only one, if it
+    is all nines or below -99 000, unless the file says what its no data is."""
     is_there = is_there & np.isfinite(heights)
     low, high = heights.min(where=is_there, initial=0), heights.max(where=is_there, initial=0)
     alone = None if says_no_data or low > NO_HEIGHTS_ALONE[0] else _lowest_alone(heights, is_there, low)
@@ -166,17 +167,20 @@ def first_no_height(
 
 
 def _lowest_alone(heights: NDArray[Any], is_there: NDArray[np.bool_], low: Any) -> Any:
-    """The lowest height, if it stands for no data where all others are less than half as low, and they are."""
+    """The lowest height, if it stands for no data where all others are less than half as low, and they are, or there
+    are none."""
     is_nines = low in np.array(NO_HEIGHTS_ALONE).astype(heights.dtype if heights.dtype.kind == "f" else np.float64)
     if not is_nines and low > LOWEST_HEIGHT:
         return None
     others = heights[is_there & (heights != low)]
-    return low if others.size and others.min() > low / 2 else None
+    return low if not others.size or others.min() > low / 2 else None
 
 
-def require_heights(heights: NDArray[Any], is_there: NDArray[np.bool_], how_to_say: str) -> None:
+def require_heights(
+    heights: NDArray[Any], is_there: NDArray[np.bool_], how_to_say: str, says_no_data: bool = False
+) -> None:
     """Of arrays: raises ValueError for a height that stands for no data. how_to_say: that it does; {} is the value."""
-    found = first_no_height(heights, is_there)
+    found = first_no_height(heights, is_there, says_no_data)
     if found is not None:
         value = heights[found].item()
         raise ValueError(
@@ -236,6 +240,15 @@ def float32_of(array: NDArray[Any], name: str) -> NDArray[np.float32]:
     return rounded
 
 
+def _three_of(names: Any, of_one: str) -> list[Any] | None:
+    """Of names those that are x, y and z, of normals nx, ny and nz too, in any case; None unless each is there once."""
+    places = {one.strip().lower(): one for one in names}
+    for three in [("nx", "ny", "nz")] * (of_one == "normals") + [("x", "y", "z")]:
+        if len(places) == len(names) and all(one in places for one in three):
+            return [places[one] for one in three]
+    return None
+
+
 def columns_of(array: Any, name: str) -> Any:
     """Of a table or a structured array the columns x, y and z, of normals nx, ny and nz too, wherever they stand. Other
     objects stay as they are, and so does a table whose columns have no names."""
@@ -243,12 +256,11 @@ def columns_of(array: Any, name: str) -> Any:
     names = getattr(array, "columns", None) if names is None else names
     if names is None or callable(names) or not all(isinstance(one, str) for one in names):
         return array
-    places = {one.strip().lower(): one for one in names}
-    for three in [("nx", "ny", "nz")] * (name == "normals") + [("x", "y", "z")]:
-        if len(places) == len(names) and all(one in places for one in three):
-            return np.stack([on_host(array[places[one]], name) for one in three], axis=-1)
-    given = ", ".join(names)
-    raise ValueError(f"{name}: of the columns {given} three must be x, y, z, each once; or give an array (N, 3)")
+    three = _three_of(names, name)
+    if three is None:
+        given = ", ".join(names)
+        raise ValueError(f"{name}: of the columns {given} three must be x, y, z, each once; or give an array (N, 3)")
+    return np.stack([on_host(array[one], name) for one in three], axis=-1)
 
 
 def rows_of_triples(array: Any, name: str) -> NDArray[Any]:
@@ -279,10 +291,12 @@ def triple(value: Any, name: str) -> tuple[float, float, float]:
     """Three finite numbers, each rounded once to float32. Of a mapping or a pandas.Series with these names x, y, z."""
     names = getattr(value, "index", None) if hasattr(value, "iloc") else value if isinstance(value, dict) else None
     if names is not None and all(isinstance(one, str) for one in names):
-        places = {one.strip().lower(): one for one in names}
-        if set(places) != set("xyz"):
-            raise ValueError(f"{name}: its names are {', '.join(names)}, and must be x, y, z; or give three numbers")
-        value = [value[places[axis]] for axis in "xyz"]
+        three = _three_of(names, name)
+        if three is None:
+            raise ValueError(
+                f"{name}: of the names {', '.join(names)} three must be x, y, z, each once; or give three numbers"
+            )
+        value = [value[one] for one in three]
     values = on_host(value, name)
     if values.shape != (3,) or values.dtype.kind not in "iuf":
         raise ValueError(f"{name}: must be three numbers, not {value!r}")

@@ -214,7 +214,7 @@ def _checked(values: NDArray[Any], nodata: float | None) -> NDArray[Any]:
     if nodata is not None:
         is_there = values != nodata
         real = values.dtype if values.dtype.kind == "f" else np.dtype(np.float64)
-        _arrays.require_heights(values, is_there, "nodata={}")
+        _arrays.require_heights(values, is_there, "nodata={}", True)
         return np.where(is_there, values, np.array(np.nan, real)).astype(_real_of(real), copy=False)
     if values.dtype in (np.float32, np.float64):
         low, high = _gnomon.range_of_heights(np.ascontiguousarray(values))

@@ -143,7 +143,7 @@ class GnomonAccessor:
         def run(values: Any) -> NDArray[np.float32]:
             given = np.ma.asarray(values)
             is_there = np.isfinite(given.data) & ~np.ma.getmaskarray(given) & ~np.isin(given.data, no_data)
-            _arrays.require_heights(given.data, is_there, "dem.attrs['_FillValue'] = {}")
+            _arrays.require_heights(given.data, is_there, "dem.attrs['_FillValue'] = {}", len(no_data) > 0)
             return layers(np.where(is_there, given.data, np.nan))
 
         if dem.chunks is None:

@@ -127,6 +127,23 @@ def test_lows_that_are_heights(tmp_path):
     hours(tmp_path, write(tmp_path / "dsm.tif", -999, "float32", -9999))
 
 
+@pytest.mark.parametrize("value", [-99, -999, -999.9, -9999, -32768, -100_000, -(2**31), LOWEST])
+def test_a_whole_file_of_it(value, tmp_path):
+    """Of two files side by side the eastern one has no ground, as a product's tile in the sea."""
+    files = [str(tmp_path / name) for name in ("west.tif", "east.tif")]
+    for nodata in (None, value):
+        for column, (file, height) in enumerate(zip(files, (10, value), strict=True)):
+            place = rasterio.Affine(25, 0, 512_000 + 25 * 16 * column, 0, -25, 5_002_400)
+            with rasterio.open(file, "w", driver="GTiff", height=16, width=16, count=1, dtype="float32", crs=UTM,
+                               nodata=nodata, transform=place) as raster:  # fmt: skip
+                raster.write(np.full((16, 16), height, "float32"), 1)
+        if nodata is None:
+            with pytest.raises(ValueError, match="east.tif: the cell in row 0, column 0 is .*, which is no height"):
+                hours(tmp_path, files)
+    lit = hours(tmp_path, files).lit.values[0] & 1
+    assert lit[:, :16].all() and not lit[:, 16:].any()
+
+
 @pytest.mark.parametrize("carrier", UNDECLARED)
 def test_undeclared_is_one_sentence_and_its_remedy_helps(carrier, tmp_path):
     value, dtype, nodata = UNDECLARED[carrier]

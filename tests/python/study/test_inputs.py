@@ -5,6 +5,7 @@ heights, grids, projections. Members that are no trouble stand there too, so tha
 import json
 import re
 import shutil
+import struct
 import warnings
 import zipfile
 
@@ -13,7 +14,7 @@ import numpy as np
 import pyproj
 import pytest
 import rasterio
-from gnomon.studies import StudyStoppedError, units
+from gnomon.studies import StudyStoppedError, meshes, units
 from made import run
 
 DOWN, WEST = [[0, 0, -1]], [[1, 0, -1]]  # travelling straight down; from the west, 45 degrees high
@@ -179,6 +180,7 @@ MESHES = {
     "triangles.obj": (rows("v ") + "f 1 2 3\nf 1 3 4\nf 1 4 5\nf 1 5 6\n", ""),
     "concave.ply": (ply(), ""),
     "doubles.ply": (ply("double"), ""),
+    "blender.ply": (ply().replace("element vertex", "Created by Blender3D 247\nelement vertex"), ""),
     "mixed.ply": (ply(faces="3 0 1 2\n5 3 4 5 0 2\n", count=2), ""),
     "concave.off": ("OFF\n6 1 0\n" + rows() + "6 2 3 4 5 0 1\n", ""),
     "one_line.off": ("OFF 6 1 0 # an L\n" + rows() + "6 2 3 4 5 0 1 255 0 0\n", ""),
@@ -194,11 +196,71 @@ def test_mesh_files(tmp_path, name):
     assert len(notes) == bool(note) and all(note in text for text in notes)
 
 
+#: A property is a name, its type (of struct) and the values of a face's row: a list's stand behind their number.
+BEFORE, AFTER, LIST = (
+    ("flag", "uchar", "B", [7]),
+    ("quality", "float", "f", [0.5]),
+    ("uv", "list uchar float", "f", None),
+)
+#: 4 + 3 + 5 corners take as many bytes as three faces of 4.
+FACES = {"mixed": [[0, 1, 2], [3, 4, 5, 0, 2]], "of 4, 3 and 5": [[0, 1, 2, 3], [3, 4, 5], [3, 5, 0, 1, 2]]}
+
+
+@pytest.mark.parametrize("faces", FACES)
+@pytest.mark.parametrize("others", [[], [BEFORE], [AFTER], [BEFORE, AFTER], [LIST], [AFTER, LIST]],
+                         ids=lambda others: "+".join(one[0] for one in others) or "alone")  # fmt: skip
+@pytest.mark.parametrize("order", "<>")
+def test_binary_ply_with_faces_of_many_kinds(tmp_path, order, others, faces):
+    corners = FACES[faces]
+    head = (
+        f"ply\r\nformat binary_{'little' if order == '<' else 'big'}_endian 1.0\r\ncomment by hand\r\nelement vertex 6"
+    )
+    head += "".join(f"\r\nproperty double {axis}" for axis in "xyz") + f"\r\nelement face {len(corners)}"
+    before, after = [one for one in others if one is BEFORE], [one for one in others if one is not BEFORE]
+    for name, kind, *_ in [*before, ("vertex_index", "list uchar int"), *after]:
+        head += f"\r\nproperty {kind} {name}"
+    data = b"".join(struct.pack(order + "3d", *corner) for corner in L_CORNERS)
+    for face in corners:
+        uvs = [0.25] * 2 * len(face)
+        data += b"".join(struct.pack(order + code, *values) for _, _, code, values in before)
+        data += struct.pack(f"{order}B{len(face)}i", len(face), *face)
+        for _, _, code, values in after:
+            data += (
+                struct.pack(order + code, *values) if values else struct.pack(f"{order}B{len(uvs)}f", len(uvs), *uvs)
+            )
+    (tmp_path / "m.ply").write_bytes((head + "\r\nend_header\r\n").encode() + data)
+    lines = "".join(f"{len(face)} {' '.join(map(str, face))}\n" for face in corners)
+    (tmp_path / "text.ply").write_text(ply("double", lines, len(corners)))
+    found, expected = (meshes.load(str(tmp_path / name)) for name in ("m.ply", "text.ply"))
+    first, last = np.diff(found.triangles, axis=1).transpose(1, 0, 2)
+    rings = [np.array(L_CORNERS)[face] for face in corners]
+    areas = [np.cross(ring, np.roll(ring, -1, axis=0))[:, 2].sum() for ring in rings]  # twice the faces'
+    assert np.array_equal(found.triangles, expected.triangles) and found.notes == ()
+    assert np.cross(first, last)[:, 2].sum() == sum(areas)
+    assert len(found.triangles) == sum(len(face) - 2 for face in corners)
+    for cut in (1, 9, 30):
+        (tmp_path / f"{cut}.ply").write_bytes((tmp_path / "m.ply").read_bytes()[:-cut])
+        with pytest.raises(meshes.UnreadableError, match=f"{cut}.ply: .*is cut off: it .* . rows of face"):
+            meshes.load(str(tmp_path / f"{cut}.ply"))
+
+
 NO_MESHES = {
+    "headless.ply": ("ply\nformat ascii 1.0\nelement vertex 6\n", "has no whole header of a PLY file"),
+    "cut_off.off": ("OFF\n6 2 0\n" + rows() + "3 0 1 2\n", "is cut off: it says that it has 6 vertices and 2 faces"),
+    "cut_row.off": ("OFF\n6 1 0\n" + rows() + "6 2 3 4\n", "is cut off: it says that it has 6 vertices and 1 faces"),
+    "four.off": ("4OFF\n1 0 0\n0 0 0 1\n", "begins with '4OFF' and not with OFF"),
+    "empty.off": ("", "empty.off: cannot be read: is empty"),
+    "typed.ply": (ply("half"), 'its header has the type "half", which is not known'),
+    "beyond.ply": (ply(faces="3 0 1 6\n"), "a face names a vertex that is not among its 6"),
+    "empty.ply": ("", "empty.ply"),
     "points.ply": (ply(count=0, faces=""), "left out.*has no triangles"),
     "strips.ply": (ply(element="tristrips", faces="4 0 1 5 2\n"), "triangle strips, which are not read"),
     "bad.obj": (rows("v ") + "f 1 2 3 9\n", "names a vertex that is not among its 6"),
     "zero.obj": (rows("v ") + "f 0 1 2\n", "names vertex 0, and they count from 1"),
+    "text.stl": (
+        "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n",
+        "is cut off: its last line is no endsolid",
+    ),
     "short.stl": ("x".ljust(80) + "\x05\0\0\0" + "\0" * 100, "is cut off: it says that it has 5 triangles, and has 2"),
     "wires.obj": (rows("v ") + "l 1 2 3\n", "1 points, lines.*has no triangles"),
     "model.foo": ("x", "'foo' not supported"),

@@ -144,6 +144,36 @@ def test_bad_tables_are_one_sentence(tmp_path, text, sentence):
     assert str(error.value) == f"{file}{sentence}"
 
 
+#: Angles that may be radians. tests/command/suns_test.cpp has the same.
+AS_SMALL_AS_RADIANS = ["1.57,0.2\n3.14,1.05\n-6.2832,-1.5708\n", "4.71,0.001\n", "0,1.6\n6.3,-1\n"]
+
+
+@pytest.mark.parametrize("rows", AS_SMALL_AS_RADIANS)
+def test_what_may_be_radians_must_say_that_it_is_degrees(tmp_path, rows):
+    file = tmp_path / "suns.csv"
+    file.write_text("azimuth,elevation\n" + rows)
+    with pytest.raises(ValueError, match="suns.csv: its azimuths and elevations are as small as radians") as error:
+        suns(file)
+    heading = str(error.value).split("write ")[1].split(" above")[0].replace(" and ", ",")
+    file.write_text(f"{heading}\n{rows}")
+    angles = np.array([row.split(",") for row in rows.split()], float)
+    assert read_suns(str(file)).elevation.tolist() == [elevation for _, elevation in angles.tolist() if elevation > 0]
+    records = [("azimuth", "f8"), ("elevation", "f8")]
+    np.save(tmp_path / "suns.npy", np.array(list(map(tuple, angles)), records))
+    with pytest.raises(ValueError, match="suns.npy: its azimuths and elevations are as small as radians"):
+        read_suns(str(tmp_path / "suns.npy"))
+    np.save(tmp_path / "suns.npy", np.array(list(map(tuple, angles)), [(f"{n} [deg]", type) for n, type in records]))
+    assert len(read_suns(str(tmp_path / "suns.npy")).azimuth)
+
+
+@pytest.mark.parametrize("rows", ["90,0.5\n", "0,2\n", "0,-1\n", "1,1\n100,-20\n", "0,0\n"])
+def test_degrees_are_not_taken_for_radians(tmp_path, rows):
+    (tmp_path / "suns.csv").write_text("azimuth,elevation\n" + rows)
+    read_suns(str(tmp_path / "suns.csv"))
+    (tmp_path / "xyz.csv").write_text("azimuth,elevation,x,y,z\n1,1,0,0.1,-1\n")  # its angles decide nothing
+    assert read_suns(str(tmp_path / "xyz.csv")).towards.tolist() == np.float32([[0, -0.1, 1]]).tolist()
+
+
 def test_weights_and_points_are_tables_too(tmp_path):
     file = tmp_path / "table.csv"
     file.write_text("dni\n1\n2.5\n")
@@ -158,6 +188,11 @@ def test_weights_and_points_are_tables_too(tmp_path):
     np.save(tmp_path / "table.npy", np.ones((2, 4)))
     with pytest.raises(ValueError, match="table.npy: must have 3 or 6 columns, or names for its 4"):
         read_points(str(tmp_path / "table.npy"))
+    file.write_text("x,y,z\n1,2,10\n1,3,-999\n")
+    with pytest.raises(ValueError, match="table.csv, line 3 has z = -999, which is no height but stands for no data"):
+        read_points(str(file))
+    file.write_text("x,y,z\n1,2,-999\n1,3,-998\n")
+    assert len(read_points(str(file))) == 2
     np.save(tmp_path / "table.npy", [[1, 2, np.inf]])
     with pytest.raises(ValueError, match='table.npy, row 0 has z = "inf", which is no finite number'):
         read_points(str(tmp_path / "table.npy"))

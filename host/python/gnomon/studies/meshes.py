@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Triangles of mesh files: glTF by gnomon's own loader, as everywhere; CityJSON by cityjson; other formats by trimesh.
+"""Triangles of mesh files: glTF by gnomon's own loader, as everywhere; CityJSON by cityjson; PLY by ply; other formats
+by trimesh.
 
 Each file says what of it is left out. A polygon is divided into a fan of triangles where it is convex, and else by ear
 clipping: trimesh divides all polygons into fans.
@@ -18,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _arrays, _gnomon
-from . import cityjson
+from . import cityjson, ply
 from .rasters import UnreadableError, stamp_of
 from .units import require_crs_of_mesh
 
@@ -54,6 +55,10 @@ def reading(name: str) -> Iterator[None]:
         yield
     except UnreadableError:
         raise
+    except ModuleNotFoundError as error:
+        package = error.name
+        remedy = f"pip install {package}, or write it as .ply, .obj or .glb, and give that"
+        raise UnreadableError(f"{name}: needs the Python package {package}: {remedy}") from error
     except Exception as error:  # a loader may raise anything at a broken file
         text = str(error)
         is_own = Path(name).suffix.lower() in (".ply", ".obj", ".off", ".stl", ".glb", ".gltf", ".json", ".jsonl")
@@ -123,18 +128,14 @@ def read_by_trimesh(name: str) -> tuple[Polygons | NDArray[np.float64], tuple[st
         if suffix == ".off" or OWN_FACE_OF_OBJ.search(text) or text.startswith("\ufeff"):
             text = text.removeprefix("\ufeff")
             return (_off(text) if suffix == ".off" else _obj(text)), tuple(notes)
+    if suffix == ".ply":
+        return _ply(name)
     if suffix == ".stl":
         _require_whole_stl(name)
     scene: Any = trimesh.load_scene(name, process=False)
     meshes = [g for g in scene.geometry.values() if isinstance(g, trimesh.Trimesh)]
     if others := len(scene.geometry) - len(meshes):
         notes.append(f"{others} point clouds or paths are left out")
-    raw: Any = next((g.metadata["_ply_raw"] for g in scene.geometry.values() if "_ply_raw" in g.metadata), {})
-    if "tristrips" in raw:
-        raise UnreadableError(f"{name}: has triangle strips, which are not read: export it with triangles as faces")
-    polygons = _polygons_of_ply(raw)
-    if polygons is not None:
-        return polygons, tuple(notes)
     mesh: Any = scene.to_mesh()
     triangles = np.asarray(mesh.vertices, np.float64)[np.asarray(mesh.faces, np.int64)].reshape(-1, 3, 3)
     if scene.units not in (None, "m", "meter", "meters", "metre", "metres"):
@@ -145,9 +146,13 @@ def read_by_trimesh(name: str) -> tuple[Polygons | NDArray[np.float64], tuple[st
 
 
 def _require_whole_stl(name: str) -> None:
-    """Raises UnreadableError for a binary file that is shorter than its number of triangles."""
+    """Raises UnreadableError for a binary file that is shorter than its number of triangles, or a text without end."""
     with open(name, "rb") as file:
         head = file.read(1024)
+        file.seek(max(0, Path(name).stat().st_size - 1024))
+        tail = file.read()
+    if head.lstrip().startswith(b"solid") and b"facet" in head and b"endsolid" not in tail:
+        raise UnreadableError(f"{name}: is cut off: its last line is no endsolid")
     count, room = int.from_bytes(head[80:84], "little"), (Path(name).stat().st_size - 84) // 50
     if b"facet" not in head and len(head) >= 84 and room < count:
         raise UnreadableError(f"{name}: is cut off: it says that it has {count} triangles, and has {room}")
@@ -173,25 +178,34 @@ def _obj(text: str) -> Polygons:
 
 def _off(text: str) -> Polygons:
     lines = [words for line in text.splitlines() if (words := line.split("#", 1)[0].split())]
-    if not lines[0][0].endswith("OFF") or "4OFF" in lines[0][0] or "nOFF" in lines[0][0]:
-        raise ValueError("does not begin with OFF")
+    first = lines[0][0] if lines else ""
+    if not first.endswith("OFF") or "4OFF" in first or "nOFF" in first:
+        begins = f"begins with {first!r} and not with OFF, vertices of three coordinates" if lines else "is empty"
+        raise ValueError(begins)
     lines[0] = lines[0][1:]
     lines = lines[not lines[0] :]
     vertex_count, face_count = int(lines[0][0]), int(lines[0][1])
     vertices = np.array([line[:3] for line in lines[1 : 1 + vertex_count]], np.float64)
     rows = lines[1 + vertex_count : 1 + vertex_count + face_count]
+    if len(rows) < face_count or any(len(row) <= int(row[0]) for row in rows):
+        raise ValueError(
+            f"is cut off: it says that it has {vertex_count} vertices and {face_count} faces, and has fewer"
+        )
     return vertices, [np.array(row[1 : 1 + int(row[0])], np.int64) for row in rows]
 
 
-def _polygons_of_ply(raw: Any) -> Polygons | None:
-    """What trimesh kept of a .ply file, if it has faces of more than 3 corners."""
-    face = raw.get("face", {}).get("data", {})
-    rows = next((face[key] for key in ("vertex_indices", "vertex_index") if hasattr(face, "keys") and key in face), ())
-    faces = [np.asarray(row, np.int64).reshape(-1) for row in rows]
-    if not any(len(face) > 3 for face in faces):
-        return None
-    vertex = raw["vertex"]["data"]
-    return np.stack([np.asarray(vertex[axis], np.float64).reshape(-1) for axis in "xyz"], axis=1), faces
+def _ply(name: str) -> tuple[Polygons | NDArray[np.float64], tuple[str, ...]]:
+    vertices, blocks = ply.read(name)
+    notes = () if blocks or not len(vertices) else ("1 point clouds or paths are left out",)
+    if all(block.shape[1] == 3 for block in blocks):
+        return _corners(vertices, np.concatenate([np.empty((0, 3), np.int64), *blocks])), notes
+    return (vertices, [face for block in blocks for face in block]), notes
+
+
+def _corners(vertices: NDArray[np.float64], indices: NDArray[np.int64]) -> NDArray[np.float64]:
+    if (indices < 0).any() or (indices >= len(vertices)).any():
+        raise ValueError(f"a face names a vertex that is not among its {len(vertices)}")
+    return vertices[indices]
 
 
 def of_polygons(vertices: NDArray[np.float64], faces: list[NDArray[np.int64]]) -> NDArray[np.float64]:
@@ -200,10 +214,7 @@ def of_polygons(vertices: NDArray[np.float64], faces: list[NDArray[np.int64]]) -
     lengths = np.array([len(face) for face in faces], np.int64)
     for n in np.unique(lengths[lengths >= 3]).tolist():
         rows = np.flatnonzero(lengths == n)
-        indices = np.stack([faces[row] for row in rows])
-        if (indices < 0).any() or (indices >= len(vertices)).any():
-            raise ValueError(f"a face names a vertex that is not among its {len(vertices)}")
-        corners = vertices[indices]
+        corners = _corners(vertices, np.stack([faces[row] for row in rows]))
         edges = np.roll(corners, -1, axis=1) - corners
         turns = np.cross(edges, np.roll(edges, -1, axis=1))  # at each corner but the first
         from_first = corners - corners[:, :1]

@@ -184,7 +184,7 @@ def _checked(name: str) -> Any:
             warnings.simplefilter("ignore", rasterio.errors.NotGeoreferencedWarning)  # it becomes an error below
             data = rasterio.open(name)
     except rasterio.errors.RasterioError as error:
-        raise ValueError(f"{name}: {error}") from None
+        raise ValueError(f"{name}: GDAL cannot read it ({error}): write it as a GeoTIFF, and give that") from None
     grid = data.transform
     if grid == rasterio.Affine.identity():
         raise ValueError(

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _gnomon
-from .._arrays import NO_HEIGHTS, first_row
+from .._arrays import first_no_height, first_row
 
 SUN_COLUMNS = ("x", "y", "z"), ("x", "y", "z", "weight")
 OBSERVER_COLUMNS = ("x", "y"), ("x", "y", "height")
@@ -39,14 +39,16 @@ class _NpyTable:
     """Rows of float64 in a .npy file, with the names of its records, or of the one of `unnamed` that has as many
     columns."""
 
-    def __init__(self, file: str, unnamed: tuple[tuple[str, ...], ...]) -> None:
+    def __init__(self, file: str, unnamed: tuple[tuple[str, ...], ...], are_points: bool) -> None:
         self.file = file
         try:
             values = np.load(file, allow_pickle=False)
         except (ValueError, OSError, EOFError) as error:
             raise ValueError(f"{file}: {error}") from None
         if values.dtype.names:
-            self.names = [name.strip().lower() for name in values.dtype.names]
+            headings = ",".join('"{}"'.format(name.replace('"', '""')) for name in values.dtype.names)
+            self._headings = _gnomon.NumberTable(headings.encode(), file, [], are_points)
+            self.names = self._headings.names
             self._columns = [self._real(values[name].reshape(-1)) for name in values.dtype.names]
             return
         values = self._real(values)
@@ -83,6 +85,9 @@ class _NpyTable:
             self.refuse(row, f'{name} = "{self.text(row, name)}", which is beyond float32')
         return values
 
+    def require_degrees(self, azimuths: list[float], elevations: list[float]) -> None:
+        self._headings.require_degrees(azimuths, elevations)  # a table without headings has no angles
+
     def refuse(self, row: int, reason: str) -> NoReturn:
         raise ValueError(f"{self.file}, row {row} has {reason}")
 
@@ -95,7 +100,7 @@ def _table(file: str, unnamed: tuple[tuple[str, ...], ...], are_points: bool = F
     """Columns of a file by name: of text by gnomon's own reader (_gnomon.NumberTable), which `gnomon hours` has, too;
     of a .npy file. Raises ValueError with the row and the column."""
     if file.lower().endswith(".npy"):
-        return _NpyTable(file, unnamed)
+        return _NpyTable(file, unnamed, are_points)
     return _gnomon.NumberTable(_text_of(file), file, [list(names) for names in unnamed], are_points)
 
 
@@ -125,6 +130,9 @@ def read_suns(file: str) -> SunTable:
     has_angles = _has(table, "azimuth", "elevation")
     if not has_angles:
         table.require(["x", "y", "z"], "a table of suns needs the columns x, y, z or azimuth, elevation")
+    has_directions = _has(table, "x", "y", "z")
+    if not has_directions:
+        table.require_degrees(table.numbers("azimuth").tolist(), table.numbers("elevation").tolist())
     weights = np.ones(len(table))
     if _has(table, "weight"):
         weights = table.float_numbers("weight").astype(np.float64)
@@ -138,7 +146,7 @@ def read_suns(file: str) -> SunTable:
             table.refuse(row, "an elevation beyond 90 degrees")
         is_up = elevation > 0
         azimuth, elevation = azimuth[is_up], elevation[is_up]
-    towards = _directions(table, is_up)[is_up] if _has(table, "x", "y", "z") else None
+    towards = _directions(table, is_up)[is_up] if has_directions else None
     times = [table.text(row, "time") for row in np.flatnonzero(is_up).tolist()] if _has(table, "time") else []
     return SunTable(towards, azimuth, elevation, weights[is_up], int((~is_up).sum()), times)
 
@@ -186,8 +194,11 @@ def read_points(file: str) -> NDArray[np.float64]:
     table.require(list(positions), "points need the columns x, y, z, and nx, ny, nz for the side that they face")
     names = with_normals if _has(table, *with_normals) else positions
     points = np.stack([table.numbers(name) for name in names], axis=1)
-    if (row := first_row(np.isin(points[:, 2], NO_HEIGHTS))) is not None:
-        table.refuse(row, f"z = {points[row, 2]:g}, which is no height but stands for no data: leave the row out")
+    found = first_no_height(points[:, 2:3], np.ones((len(points), 1), bool))
+    if found is not None:
+        table.refuse(
+            found[0], f"z = {points[found[0], 2]:g}, which is no height but stands for no data: leave the row out"
+        )
     if len(names) > 3 and (row := first_row((points[:, 3:] == 0).all(axis=1))) is not None:
         table.refuse(row, "nx, ny, nz = 0, 0, 0, which is no side")
     return points
