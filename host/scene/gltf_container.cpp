@@ -20,6 +20,12 @@ std::uint32_t little_endian_u32(const unsigned char* bytes) {
            std::uint32_t(bytes[3]) << 24;
 }
 
+/// What a sentence about a file that belongs to a scene begins with: its name as the scene has it.
+std::string subject_of(const std::filesystem::path& file, const std::filesystem::path& scene_file) {
+    if (file == scene_file) return {};
+    return "its file " + in_quotes(file.lexically_proximate(scene_file.parent_path()).string()) + " ";
+}
+
 std::string read_text(const std::filesystem::path& file, const ByteRange& range) {
     const std::vector<unsigned char> bytes = read_bytes(file, range, file);
     return {bytes.begin(), bytes.end()};
@@ -40,7 +46,7 @@ GltfContainer read_glb(const std::filesystem::path& file, std::uint64_t size) {
     const std::vector<unsigned char> header = read_bytes(file, {0, header_bytes}, file);
     const std::uint32_t version = little_endian_u32(&header[4]);
     const std::uint64_t length = little_endian_u32(&header[8]);
-    if (version != 2) fail(file, "is a .glb of version {}; only version 2 can be read", version);
+    if (version != 2) fail(file, "is a .glb of version {}; only version 2 can be read: export it as glTF 2.0", version);
     if (length > size)
         cut_off(fmt::format("its header promises {}, but the file has only {}", counted(length, "byte"), size));
 
@@ -67,7 +73,7 @@ GltfContainer read_glb(const std::filesystem::path& file, std::uint64_t size) {
 }  // namespace
 
 std::uint64_t file_size(const std::filesystem::path& file, const std::filesystem::path& scene_file) {
-    const std::string subject = file == scene_file ? std::string() : "its file " + in_quotes(file.string()) + " ";
+    const std::string subject = subject_of(file, scene_file);
     std::error_code error;
     const std::filesystem::file_status status = std::filesystem::status(file, error);
     if (status.type() == std::filesystem::file_type::not_found) fail(scene_file, subject + "does not exist");
@@ -85,10 +91,7 @@ std::vector<unsigned char> read_bytes(const std::filesystem::path& file, const B
     std::vector<unsigned char> bytes(range.size);
     stream.seekg(static_cast<std::streamoff>(range.offset));
     stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(range.size));
-    if (!stream) {
-        const std::string subject = file == scene_file ? "" : "its file " + in_quotes(file.string()) + " ";
-        fail(scene_file, subject + "cannot be read: check its permissions");
-    }
+    if (!stream) fail(scene_file, subject_of(file, scene_file) + "cannot be read: check its permissions");
     return bytes;
 }
 

@@ -41,6 +41,7 @@ enum class Need { optional, required };
 class Checks {
 public:
     Checks(const std::filesystem::path& file, const json& root) : file_(file), root_(root) {
+        asset();  // first: an older version has objects where 2.0 has arrays
         for (const std::string name : {"accessors", "animations", "buffers", "bufferViews", "cameras", "materials",
                                        "meshes", "nodes", "scenes", "skins"})
             counts_[name] = count(name);
@@ -49,7 +50,6 @@ public:
     }
 
     void run() {
-        asset();
         extensions();
         each("buffers", [this](const json& o, const Path& at) { buffer(o, at); });
         each("bufferViews", [this](const json& o, const Path& at) { buffer_view(o, at); });
@@ -182,8 +182,10 @@ private:
     void asset() const {
         const json* asset = object(root_, {}, "asset", Need::required);
         const Path at{.member = "asset"};
-        if (const std::string& version = *string(*asset, at, "version", Need::required); !version.starts_with("2."))
-            reject(at, "version", "is " + in_quotes(version) + "; only glTF 2.0 can be read");
+        const json& version = *find(*asset, at, "version", Need::required);
+        const std::string text = version.is_string() ? version.get<std::string>() : version.dump();
+        if (!version.is_string() || !text.starts_with("2."))
+            reject(at, "version", "is " + in_quotes(text) + " and must be the text '2.0': export it as glTF 2.0");
         if (const std::string* least = string(*asset, at, "minVersion", Need::optional); least && *least != "2.0")
             reject(at, "minVersion", "is " + in_quotes(*least) + "; only glTF 2.0 can be read");
     }

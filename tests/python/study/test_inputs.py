@@ -13,8 +13,10 @@ import numpy as np
 import pyproj
 import pytest
 import rasterio
-from gnomon.studies import StudyStoppedError, units
+import trimesh
+from gnomon.studies import StudyStoppedError, meshes, units
 from made import run
+from rasterio.rio.main import main_group
 
 DOWN, WEST = [[0, 0, -1]], [[1, 0, -1]]  # travelling straight down; from the west, 45 degrees high
 
@@ -152,10 +154,10 @@ def test_what_a_gltf_file_leaves_out_is_said(tmp_path):
 
 
 # ---- Other mesh files ----------------------------------------------------------------------------------------------
-# An L in 10 m, whose notch is over point (5, 5): a fan from the wrong corner covers it. Point (-9, 0) is under the L.
+# An L in 10 m, whose notch is over point (3, 3): a fan from the wrong corner covers it. Point (-9, 0) is under the L.
 
 L_CORNERS = [[-10, -10, 10], [10, -10, 10], [10, -1, 10], [-1, -1, 10], [-1, 10, 10], [-10, 10, 10]]
-UNDER_L = [[5, 5, 0], [50, 0, 0], [-9, 0, 0], [9, -5, 0]]
+UNDER_L = [[3, 3, 0], [50, 0, 0], [-9, 0, 0], [9, -5, 0]]
 IN_L = [True, True, False, False]
 
 
@@ -174,6 +176,7 @@ MESHES = {
     "continued.obj": (rows("v ") + "f 3 4 5 \\\n6 1 2 # the roof\n", ""),
     "textured.obj": (rows("v ") + "vt 0 0\nvn 0 0 1\nf 3/1/1 4/1/1 5//1 6/1 1 2\n", ""),
     "mark.obj": ("\ufeff" + rows("v ") + "f 1 2 3\nf 1 3 4\nf 1 4 5\nf 1 5 6\n", ""),
+    "utf16.obj": (rows("v ") + "f 3 4 5 6 1 2\n", ""),
     "parts.obj": (rows("v ") + "f -6 -5 -4\nf -6 -4 -3\nf -6 -3 -2\nf -6 -2 -1\n" + 9 * "v 900 900 900\n", ""),
     "lines.obj": (rows("v ") + "l 1 2\np 3\nf 3 4 5 6 1 2\n", "2 points, lines, curves or free-form surfaces are left"),
     "triangles.obj": (rows("v ") + "f 1 2 3\nf 1 3 4\nf 1 4 5\nf 1 5 6\n", ""),
@@ -188,7 +191,7 @@ MESHES = {
 @pytest.mark.parametrize("name", MESHES)
 def test_mesh_files(tmp_path, name):
     text, note = MESHES[name]
-    (tmp_path / name).write_text(text)
+    (tmp_path / name).write_text(text, encoding="utf-16" if name.startswith("utf16") else "utf-8")
     lit, study, notes = answers(tmp_path, points=UNDER_L, meshes=str(tmp_path / name))
     assert lit.tolist() == IN_L and study.record["undecided"] == 0
     assert len(notes) == bool(note) and all(note in text for text in notes)
@@ -199,6 +202,9 @@ NO_MESHES = {
     "strips.ply": (ply(element="tristrips", faces="4 0 1 5 2\n"), "triangle strips, which are not read"),
     "bad.obj": (rows("v ") + "f 1 2 3 9\n", "names a vertex that is not among its 6"),
     "zero.obj": (rows("v ") + "f 0 1 2\n", "names vertex 0, and they count from 1"),
+    "short.off": ("OFF\n9 1 0\n" + rows("") + "3 0 1 2\n", "is cut off: it says that it has 9 vertices .*has 7 lines"),
+    "corners.off": ("OFF\n6 1 0\n" + rows("") + "9 0 1 2\n", "a face says that it has 9 corners, and has 3"),
+    "empty.off": ("", "empty.off: the file is empty"),
     "short.stl": ("x".ljust(80) + "\x05\0\0\0" + "\0" * 100, "is cut off: it says that it has 5 triangles, and has 2"),
     "wires.obj": (rows("v ") + "l 1 2 3\n", "1 points, lines.*has no triangles"),
     "model.foo": ("x", "'foo' not supported"),
@@ -214,6 +220,20 @@ def test_files_without_triangles_say_why(tmp_path, name):
         np.savetxt(tmp_path / "points.csv", UNDER_L, delimiter=",", header="x,y,z", comments="")
         run(tmp_path / "study", meshes=str(tmp_path / name), receivers="points", points=str(tmp_path / "points.csv"),
             directions=str(tmp_path / "suns.csv"), outputs=["bits"])  # fmt: skip
+
+
+def test_a_file_of_3mf(tmp_path):
+    """Read by trimesh with the packages that gnomon[study] brings; its unit is a thousandth."""
+    trimesh.creation.box((1, 2, 3)).export(tmp_path / "box.3mf")
+    mesh = meshes.load(str(tmp_path / "box.3mf"))
+    assert len(mesh.triangles) == 12
+    assert np.allclose(np.ptp(mesh.triangles.reshape(-1, 3), axis=0), [0.001, 0.002, 0.003])
+    assert mesh.notes == ("its unit is millimeter: its coordinates are multiplied by 0.001",)
+
+
+def test_what_has_no_triangles_says_so_once(tmp_path):
+    (tmp_path / "empty.gltf").write_text('{"asset": {"version": "2.0"}, "scenes": [{}], "scene": 0}')
+    assert meshes.load(str(tmp_path / "empty.gltf")).notes == ("has no triangles",)
 
 
 def test_faces_of_files_without_triangles_name_the_file(tmp_path):
@@ -465,6 +485,23 @@ def test_grids_that_are_refused(tmp_path, name):
     made, text = REFUSED[name]
     with pytest.raises(ValueError, match=text):
         shadow(tmp_path, ridge(tmp_path, **made))
+
+
+@pytest.mark.parametrize("dtype, nodata", [("int16", -32768), ("uint16", 65535), ("float32", np.nan)])
+def test_the_remedy_for_degrees_leaves_no_cell_of_height_0(tmp_path, dtype, nodata):
+    """The file declares no nodata: what the warped one has beside it must be no ground."""
+    place = dict(crs="EPSG:4326", transform=rasterio.Affine(0.01, 0, 10.4, 0, -0.01, 47.5))
+    with rasterio.open(tmp_path / "in.tif", "w", width=40, height=30, count=1, dtype=dtype, **place) as file:
+        file.write(np.full((1, 30, 40), 900, dtype))
+    with pytest.raises(ValueError, match="rio warp") as error:
+        shadow(tmp_path, str(tmp_path / "in.tif"))
+    words = re.search(r"\(rio (.*)\)", str(error.value))[1].split()
+    names = {"IN.tif": str(tmp_path / "in.tif"), "OUT.tif": str(tmp_path / "out.tif")}
+    main_group([names.get(word, word) for word in words], standalone_mode=False)
+    with rasterio.open(tmp_path / "out.tif") as file:
+        heights = file.read(1, masked=True)
+        assert np.array_equal(file.nodata, nodata, equal_nan=True)
+    assert heights.mask.any() and set(heights.compressed()) == {900}
 
 
 @pytest.mark.parametrize("more, text", [
