@@ -102,7 +102,8 @@ GltfContainer read_container(const std::filesystem::path& file) {
     if (head.size() >= 4 && little_endian_u32(reinterpret_cast<const unsigned char*>(head.data())) == magic_gltf)
         return read_glb(file, size);
     if (!begins_like_json(head))
-        fail(file, "is not a glTF file: it begins neither with 'glTF' (.glb) nor with '{' (.gltf)");
+        fail(file,
+             "is not a glTF file: it begins neither with 'glTF' (.glb) nor with '{' (.gltf): export it as glTF 2.0");
     return {read_text(file, {0, size}), std::nullopt, false};
 }
 
