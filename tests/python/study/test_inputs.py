@@ -4,6 +4,7 @@ heights, grids, projections. Members that are no trouble stand there too, so tha
 
 import json
 import re
+import shlex
 import shutil
 import warnings
 import zipfile
@@ -14,6 +15,7 @@ import pyproj
 import pytest
 import rasterio
 import trimesh
+import xarray
 from gnomon.studies import StudyStoppedError, meshes, units
 from made import run
 from rasterio.rio.main import main_group
@@ -502,6 +504,46 @@ def test_the_remedy_for_degrees_leaves_no_cell_of_height_0(tmp_path, dtype, noda
         heights = file.read(1, masked=True)
         assert np.array_equal(file.nodata, nodata, equal_nan=True)
     assert heights.mask.any() and set(heights.compressed()) == {900}
+
+
+def test_degrees_that_no_crs_declares(tmp_path):
+    """Hills in an .asc file without a .prj: cells of three seconds of arc would be .8 mm wide. Both remedies help."""
+    hills = np.float32(500 + 300 * np.add.outer(np.sin(np.arange(30)), np.cos(np.arange(40))))
+    file = tmp_path / "in.asc"
+    head = "ncols 40\nnrows 30\nxllcorner 10.4\nyllcorner 47.5\ncellsize {}\n"
+    file.write_text(head.format(1 / 1200) + "\n".join(" ".join(map(str, row)) for row in hills))
+    with pytest.raises(
+        ValueError, match="in.asc: has no CRS, and its coordinates look like degrees .cells of"
+    ) as error:
+        shadow(tmp_path, str(file))
+    degrees, metres = (shlex.split(text)[1:] for text in re.findall(r"\((rio .*?\S)\)(?:,|$)", str(error.value)))
+    main_group(degrees, standalone_mode=False)
+    with pytest.raises(ValueError, match="its coordinates are degrees .WGS 84.*EPSG:32632"):
+        shadow(tmp_path, str(file))
+    file.write_text(head.format(0.5) + "\n".join(" ".join(map(str, row)) for row in hills))
+    (tmp_path / "in.prj").unlink()
+    with pytest.raises(ValueError, match="look like degrees"):
+        shadow(tmp_path, str(file))
+    main_group(metres, standalone_mode=False)
+    shadow(tmp_path, str(file))
+
+
+def test_rasters_inside_of_a_file(tmp_path):
+    x, y = 500_002.5 + 5 * np.arange(81), 3_999_997.5 - 5 * np.arange(11)
+    heights = np.zeros((11, 81), np.float32)
+    heights[:, 20] = 100
+    rasters = {"low": (("y", "x"), heights / 2), "dsm": (("y", "x"), heights)}
+    axes = {name: (name, values, {"standard_name": f"projection_{name}_coordinate", "units": "m"})
+            for name, values in (("x", x), ("y", y))}  # fmt: skip
+    xarray.Dataset(rasters, axes).to_netcdf(tmp_path / "two.nc", engine="scipy")
+    with pytest.raises(ValueError, match="two.nc: has 2 rasters in it: give one of them, such as 'net") as error:
+        shadow(tmp_path, str(tmp_path / "two.nc"))
+    low = re.search("'(.*)'", str(error.value))[1]
+    assert shadow(tmp_path, low) == 50
+    assert shadow(tmp_path, low.replace(":low", ":dsm")) == 100
+    (tmp_path / "text.gri").write_text("no raster")
+    with pytest.raises(ValueError, match="text.gri: is no raster that GDAL reads: write it as GeoTIFF"):
+        shadow(tmp_path, str(tmp_path / "text.gri"))
 
 
 @pytest.mark.parametrize("more, text", [

@@ -57,8 +57,10 @@ def reading(name: str) -> Iterator[None]:
     except Exception as error:  # a loader may raise anything at a broken file
         text = str(error)
         is_own = Path(name).suffix.lower() in (".ply", ".obj", ".off", ".stl", ".glb", ".gltf", ".json", ".jsonl")
-        remedy = "" if is_own else "; write it as .ply, .obj or .glb, and give that"
-        raise UnreadableError(text if text.startswith(name) else f"{name}: cannot be read: {error}{remedy}") from error
+        remedy = "export it again" if is_own else "write it as .ply, .obj or .glb, and give that"
+        raise UnreadableError(
+            text if text.startswith(name) else f"{name}: cannot be read: {error}; {remedy}"
+        ) from error
 
 
 @functools.lru_cache(maxsize=4)

@@ -185,7 +185,12 @@ def _checked(name: str) -> Any:
             warnings.simplefilter("ignore", rasterio.errors.NotGeoreferencedWarning)  # it becomes an error below
             data = rasterio.open(name)
     except rasterio.errors.RasterioError as error:
-        raise ValueError(f"{name}: {error}") from None
+        is_format = "not recognized" in str(error)
+        remedy = "is no raster that GDAL reads: write it as GeoTIFF, and give that" if is_format else error
+        raise ValueError(f"{name}: {remedy}") from None
+    if not data.count and data.subdatasets:
+        inside = data.subdatasets
+        raise ValueError(f"{name}: has {len(inside)} rasters in it: give one of them, such as {inside[0]!r}")
     grid = data.transform
     if grid == rasterio.Affine.identity():
         raise ValueError(
@@ -204,7 +209,29 @@ def _checked(name: str) -> Any:
         raise ValueError(
             f"{name}: its first band is no band of heights ({interpretation}, {data.dtypes[0]}; {data.count} in all)"
         )
+    if data.crs is None:
+        _require_no_degrees(name, data)
     return data
+
+
+def _require_no_degrees(name: str, data: Any) -> None:
+    """Raises ValueError for a file without a CRS whose coordinates must be degrees: its box fits longitudes and
+    latitudes, and its heights, but for the lowest and highest twentieth, rise by more than the box's diagonal."""
+    box = data.bounds
+    if max(-box.left, box.right) > 361 or max(-box.bottom, box.top) > 91:
+        return
+    try:
+        heights = data.read(1, masked=True, out_shape=(min(data.height, 256), min(data.width, 256))).compressed()
+    except rasterio.errors.RasterioError:
+        return  # the survey says so
+    heights = heights[np.isfinite(heights)].astype(np.float64)
+    if not heights.size or np.ptp(np.percentile(heights, [5, 95])) <= np.hypot(*(np.array(box[2:]) - box[:2])):
+        return
+    raise ValueError(
+        f"{name}: has no CRS, and its coordinates look like degrees (cells of {data.res[0]:g}, from {box.left:g}, "
+        f"{box.top:g} on): say so (rio edit-info --crs EPSG:4326 {name}), or that they are metres "
+        f'(rio edit-info --crs \'LOCAL_CS["site",UNIT["metre",1]]\' {name})'
+    )
 
 
 def _option_of_warp(data: Any) -> str:
