@@ -9,6 +9,7 @@
 #include "output_files.hpp"
 #include "picture.hpp"
 #include "pictures.hpp"
+#include "report.hpp"
 #include "scene/extent.hpp"
 #include "scene/number_table.hpp"
 #include "setup.hpp"
@@ -136,7 +137,7 @@ std::pair<double, std::size_t> mean_of(std::span<const double> values) {
     return {count != 0 ? sum / double(count) : 0, count};
 }
 
-std::string summary(const HoursOptions& options, const Lighting& lighting, const Reached& reached) {
+std::string summary(const HoursOptions& options, const Lighting& lighting, const Reached& reached, bool has_triangles) {
     const SunTable& table = lighting.suns;
     const auto [mean, count] = mean_of(reached.sums.values);
     std::string text =
@@ -155,7 +156,8 @@ std::string summary(const HoursOptions& options, const Lighting& lighting, const
     if (lighting.sky)
         text += fmt::format("; direct {:.6g}, diffuse {:.6g}", mean_of(reached.direct).first,
                             mean_of(reached.diffuse).first);
-    return text + fmt::format("; {:.0f} ms\n", reached.sums.statistics.total_wall_ms);
+    text += fmt::format("; {:.0f} ms\n", reached.sums.statistics.total_wall_ms);
+    return count != 0 ? text : text + "hint: " + hint_of_empty(has_triangles) + "\n";
 }
 
 /// The outputs of a run. All are opened before the long work.
@@ -248,7 +250,10 @@ void hours(const HoursOptions& options) {
                                 ? hours_of_points(options, device, *technique, scene, triangles, lighting, outputs)
                                 : hours_of_picture(options, device, *technique, scene, triangles, lighting, outputs);
     outputs.files.commit();
-    if (!options.quiet) print_result(summary(options, lighting, reached));
+    if (options.quiet) return;
+    bool has_triangles = false;
+    for (std::size_t i = 0; i < scene.triangle_count(); ++i) has_triangles |= scene.is_finite(i);
+    print_result(summary(options, lighting, reached, has_triangles));
 }
 
 }  // namespace gnomon::app

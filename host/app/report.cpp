@@ -164,10 +164,7 @@ std::string hints(const Report& report) {
         text += fact("hint", fmt::format("{} other light{} of the scene {} unused: --light NAME, --light all",
                                          report.unused_lights, report.unused_lights == 1 ? "" : "s",
                                          report.unused_lights == 1 ? "is" : "are"));
-    if (report.is_empty)
-        text += fact("hint", report.triangles == 0
-                                 ? "the scene has no triangles"
-                                 : "the camera sees no triangle: --eye X,Y,Z --target X,Y,Z, or another --camera");
+    if (report.is_empty) text += fact("hint", hint_of_empty(report.triangles > report.non_finite_triangles));
     const bool is_dark = std::ranges::all_of(
         report.lights, [](const LightReport& light) { return light.shares.lit + light.shares.partly == 0; });
     if (is_dark && !report.lights.empty())
@@ -201,6 +198,11 @@ std::vector<double> later_times(const SequenceReport& sequence, const std::strin
 }
 
 }  // namespace
+
+const char* hint_of_empty(bool has_triangles) {
+    return has_triangles ? "the camera sees no triangle: --eye X,Y,Z --target X,Y,Z, or another --camera"
+                         : "the scene has no triangles";
+}
 
 std::filesystem::path numbered(const std::filesystem::path& file, std::uint32_t frame, std::uint32_t count) {
     const std::size_t digits = std::max<std::size_t>(4, std::to_string(count - 1).size());

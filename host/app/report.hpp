@@ -24,6 +24,9 @@ struct LightReport {
     Shares shares;
 };
 
+/// What to try where a picture shows no triangle of a scene, which may have none.
+const char* hint_of_empty(bool has_triangles);
+
 /// All figures of a finished run.
 struct Report {
     RenderOptions options;

@@ -20,6 +20,12 @@ std::uint32_t little_endian_u32(const unsigned char* bytes) {
            std::uint32_t(bytes[3]) << 24;
 }
 
+/// What a sentence about a file that belongs to a scene begins with: its name as the scene has it.
+std::string subject_of(const std::filesystem::path& file, const std::filesystem::path& scene_file) {
+    if (file == scene_file) return {};
+    return "its file " + in_quotes(file.lexically_proximate(scene_file.parent_path()).string()) + " ";
+}
+
 std::string read_text(const std::filesystem::path& file, const ByteRange& range) {
     const std::vector<unsigned char> bytes = read_bytes(file, range, file);
     return {bytes.begin(), bytes.end()};
@@ -67,9 +73,7 @@ GltfContainer read_glb(const std::filesystem::path& file, std::uint64_t size) {
 }  // namespace
 
 std::uint64_t file_size(const std::filesystem::path& file, const std::filesystem::path& scene_file) {
-    const std::string own = file.lexically_relative(scene_file.parent_path()).string();
-    const std::string subject =
-        file == scene_file ? "" : "its file " + in_quotes(own.empty() ? file.string() : own) + " ";
+    const std::string subject = subject_of(file, scene_file);
     std::error_code error;
     const std::filesystem::file_status status = std::filesystem::status(file, error);
     if (status.type() == std::filesystem::file_type::not_found) fail(scene_file, subject + "does not exist");
@@ -87,10 +91,7 @@ std::vector<unsigned char> read_bytes(const std::filesystem::path& file, const B
     std::vector<unsigned char> bytes(range.size);
     stream.seekg(static_cast<std::streamoff>(range.offset));
     stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(range.size));
-    if (!stream) {
-        const std::string subject = file == scene_file ? "" : "its file " + in_quotes(file.string()) + " ";
-        fail(scene_file, subject + "cannot be read: check its permissions");
-    }
+    if (!stream) fail(scene_file, subject_of(file, scene_file) + "cannot be read: check its permissions");
     return bytes;
 }
 
@@ -101,7 +102,8 @@ GltfContainer read_container(const std::filesystem::path& file) {
     if (head.size() >= 4 && little_endian_u32(reinterpret_cast<const unsigned char*>(head.data())) == magic_gltf)
         return read_glb(file, size);
     if (!begins_like_json(head))
-        fail(file, "is not a glTF file: it begins neither with 'glTF' (.glb) nor with '{' (.gltf)");
+        fail(file,
+             "is not a glTF file: it begins neither with 'glTF' (.glb) nor with '{' (.gltf): export it as glTF 2.0");
     return {read_text(file, {0, size}), std::nullopt, false};
 }
 

@@ -100,7 +100,7 @@ std::vector<unsigned char> BufferReader::read(std::size_t index) const {
     const std::string name = percent_decoded(source.uri);
     if (name.find('\0') != std::string::npos) fail(file, buffer_text(index) + ".uri contains a zero byte");
     const std::filesystem::path path = file.parent_path() / std::filesystem::path(name);
-    require(file_size(path, file), index, "its file " + in_quotes(path.string()) + " has only ");
+    require(file_size(path, file), index, "its file " + in_quotes(name) + " has only ");
     return read_bytes(path, {0, source.byte_length}, file);
 }
 

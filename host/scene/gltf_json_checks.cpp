@@ -41,7 +41,7 @@ enum class Need { optional, required };
 class Checks {
 public:
     Checks(const std::filesystem::path& file, const json& root) : file_(file), root_(root) {
-        asset();
+        asset();  // first: an older version has objects where 2.0 has arrays
         for (const std::string name : {"accessors", "animations", "buffers", "bufferViews", "cameras", "materials",
                                        "meshes", "nodes", "scenes", "skins"})
             counts_[name] = count(name);
@@ -185,8 +185,10 @@ private:
             fail(file_, "is glTF 1; only glTF 2.0 can be read: export it as that");
         const json* asset = object(root_, {}, "asset", Need::required);
         const Path at{.member = "asset"};
-        if (const std::string& version = *string(*asset, at, "version", Need::required); !version.starts_with("2."))
-            reject(at, "version", "is " + in_quotes(version) + "; only glTF 2.0 can be read: export it as that");
+        const json& version = *find(*asset, at, "version", Need::required);
+        const std::string text = version.is_string() ? version.get<std::string>() : version.dump();
+        if (!version.is_string() || !text.starts_with("2."))
+            reject(at, "version", "is " + in_quotes(text) + " and must be the text '2.0': export it as glTF 2.0");
         if (const std::string* least = string(*asset, at, "minVersion", Need::optional); least && *least != "2.0")
             reject(at, "minVersion", "is " + in_quotes(*least) + "; only glTF 2.0 can be read");
     }

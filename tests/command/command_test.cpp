@@ -972,6 +972,24 @@ TEST_F(Command, HintsSayWhatToTry) {
     EXPECT_EQ(said({"--light", "sun"}).find("hint"), std::string::npos);
 }
 
+TEST_F(Command, AnEmptyPictureOfHoursSaysWhatToTry) {
+    write_scene(folder_, "square", floor_and_square());
+    std::ofstream(folder_ / "suns.csv") << "x,y,z\n0,-1,0\n";
+    const auto said = [&](const Arguments& more) {
+        Arguments all{"hours", "square.gltf", "--size", "8x8", "-o", "a.png", "--directions", "suns.csv"};
+        all.insert(all.end(), more.begin(), more.end());
+        const Outcome outcome = run(all);
+        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+        return outcome.out;
+    };
+    EXPECT_EQ(said({}).find("hint"), std::string::npos);
+    const std::string upwards = said({"--eye", "0,9,0", "--target", "0,99,1"});
+    EXPECT_NE(upwards.find("hint: the camera sees no triangle: --eye X,Y,Z"), std::string::npos) << upwards;
+    write_scene(folder_, "square", std::vector<float>(9, std::numeric_limits<float>::quiet_NaN()));
+    const std::string none = said({});
+    EXPECT_NE(none.find("hint: the scene has no triangles"), std::string::npos) << none;
+}
+
 TEST_F(Command, SamplesAndTheirPoints) {
     const Outcome one = run({"render", "--size", "48x32", "--aov", "a.exr", "--dump-points", "one.bin"});
     EXPECT_EQ(one.exit_code, 0) << one.err;

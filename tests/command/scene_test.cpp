@@ -504,7 +504,7 @@ TEST_F(SceneFile, AMissingImageIsNamedOnce) {
     const auto image = [](std::span<const unsigned char>, std::uint64_t) { return gnomon::scene::ColorImage{}; };
     const Scene scene = load(gltf, {.decode_colors = image});
     ASSERT_EQ(scene.warnings.size(), 1u);
-    expect_warning(scene, {"its image cannot be read: its file '", "wood.png' does not exist"});
+    expect_warning(scene, {"its image cannot be read: its file 'wood.png' does not exist"});
     EXPECT_EQ(scene.warnings[0].find("wood.png"), scene.warnings[0].rfind("wood.png"));
     EXPECT_EQ(scene.warnings[0].find("buffer"), std::string::npos);
 }
@@ -644,11 +644,14 @@ TEST_F(SceneFile, NotAGltf) {
 TEST_F(SceneFile, GltfOfAnotherVersion) {
     Gltf gltf = triangle_file();
     gltf.set("/asset", R"({"version": "1.0"})");
-    expect_error(gltf, {"asset.version", "'1.0'"});
+    expect_error(gltf, {"asset.version is '1.0' and must be the text '2.0': export it as glTF 2.0"});
+    gltf.set("/accessors", "{}");  // where 2.0 has an array
+    expect_error(gltf, {"asset.version is '1.0'"});
+    gltf.set("/accessors", "[]");
     gltf.set("/asset", R"({"version": "2.1", "minVersion": "2.1"})");
     expect_error(gltf, {"asset.minVersion", "'2.1'"});
     gltf.set("/asset", R"({"version": 2})");
-    expect_error(gltf, {"asset.version must be a string"});
+    expect_error(gltf, {"asset.version is '2' and must be the text '2.0'"});
 }
 
 TEST_F(SceneFile, EveryTruncationOfAGltf) {

@@ -116,6 +116,17 @@ def test_taken(member):
     assert scene.lit(POINTS * [1, -1, 1] - [0.5, 0.25, 0], direction=DOWN).tolist() == [False, True, False]
 
 
+@pytest.mark.parametrize("make", [lambda mesh: mesh, lambda mesh: pyvista().MultiBlock([mesh])])
+def test_pyvista_faces_of_several_sizes(make):
+    """A square roof in one face, and a triangle apart from it."""
+    apart = [[90, 90, 2], [91, 90, 2], [90, 91, 2]]
+    mesh = pyvista().PolyData(np.float32([*VERTICES, *apart]), [4, 0, 1, 2, 3, 3, 4, 5, 6])
+    scene = gnomon.Scene(make(mesh))
+    assert len(scene) == 3 and scene.lit(POINTS, direction=DOWN).tolist() == RIGHT
+    strip = pyvista().PolyData(VERTICES.astype(np.float32), strips=[4, 1, 0, 2, 3])
+    assert len(gnomon.Scene(make(strip))) == 2
+
+
 def raster():
     coords = {"x": range(5), "y": range(4)}
     return pytest.importorskip("xarray").DataArray(np.zeros((4, 5)), dims=("y", "x"), coords=coords)

@@ -57,7 +57,7 @@ def _of_pyvista(mesh: Any) -> tuple[Any, Any] | None:
             mesh = mesh.extract_geometry()
         if not (hasattr(mesh, "triangulate") and hasattr(mesh, "points")):
             return None
-        surface = mesh if hasattr(mesh, "regular_faces") else mesh.extract_surface()
+        surface = mesh if hasattr(type(mesh), "regular_faces") else mesh.extract_surface()  # a property may raise
         triangles = surface.triangulate()
     if surface.n_cells and not len(triangles.faces):
         raise TypeError(WITHOUT_FACES.format(type(mesh).__name__))

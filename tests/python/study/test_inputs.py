@@ -4,6 +4,7 @@ heights, grids, projections. Members that are no trouble stand there too, so tha
 
 import json
 import re
+import shlex
 import shutil
 import struct
 import warnings
@@ -14,8 +15,11 @@ import numpy as np
 import pyproj
 import pytest
 import rasterio
+import trimesh
+import xarray
 from gnomon.studies import StudyStoppedError, meshes, units
 from made import run
+from rasterio.rio.main import main_group
 
 DOWN, WEST = [[0, 0, -1]], [[1, 0, -1]]  # travelling straight down; from the west, 45 degrees high
 
@@ -153,10 +157,10 @@ def test_what_a_gltf_file_leaves_out_is_said(tmp_path):
 
 
 # ---- Other mesh files ----------------------------------------------------------------------------------------------
-# An L in 10 m, whose notch is over point (5, 5): a fan from the wrong corner covers it. Point (-9, 0) is under the L.
+# An L in 10 m, whose notch is over point (3, 3): a fan from the wrong corner covers it. Point (-9, 0) is under the L.
 
 L_CORNERS = [[-10, -10, 10], [10, -10, 10], [10, -1, 10], [-1, -1, 10], [-1, 10, 10], [-10, 10, 10]]
-UNDER_L = [[5, 5, 0], [50, 0, 0], [-9, 0, 0], [9, -5, 0]]
+UNDER_L = [[3, 3, 0], [50, 0, 0], [-9, 0, 0], [9, -5, 0]]
 IN_L = [True, True, False, False]
 
 
@@ -175,6 +179,7 @@ MESHES = {
     "continued.obj": (rows("v ") + "f 3 4 5 \\\n6 1 2 # the roof\n", ""),
     "textured.obj": (rows("v ") + "vt 0 0\nvn 0 0 1\nf 3/1/1 4/1/1 5//1 6/1 1 2\n", ""),
     "mark.obj": ("\ufeff" + rows("v ") + "f 1 2 3\nf 1 3 4\nf 1 4 5\nf 1 5 6\n", ""),
+    "utf16.obj": (rows("v ") + "f 3 4 5 6 1 2\n", ""),
     "parts.obj": (rows("v ") + "f -6 -5 -4\nf -6 -4 -3\nf -6 -3 -2\nf -6 -2 -1\n" + 9 * "v 900 900 900\n", ""),
     "lines.obj": (rows("v ") + "l 1 2\np 3\nf 3 4 5 6 1 2\n", "2 points, lines, curves or free-form surfaces are left"),
     "triangles.obj": (rows("v ") + "f 1 2 3\nf 1 3 4\nf 1 4 5\nf 1 5 6\n", ""),
@@ -190,7 +195,7 @@ MESHES = {
 @pytest.mark.parametrize("name", MESHES)
 def test_mesh_files(tmp_path, name):
     text, note = MESHES[name]
-    (tmp_path / name).write_text(text)
+    (tmp_path / name).write_text(text, encoding="utf-16" if name.startswith("utf16") else "utf-8")
     lit, study, notes = answers(tmp_path, points=UNDER_L, meshes=str(tmp_path / name))
     assert lit.tolist() == IN_L and study.record["undecided"] == 0
     assert len(notes) == bool(note) and all(note in text for text in notes)
@@ -247,9 +252,8 @@ def test_binary_ply_with_faces_of_many_kinds(tmp_path, order, others, faces):
 NO_MESHES = {
     "headless.ply": ("ply\nformat ascii 1.0\nelement vertex 6\n", "has no whole header of a PLY file"),
     "cut_off.off": ("OFF\n6 2 0\n" + rows() + "3 0 1 2\n", "is cut off: it says that it has 6 vertices and 2 faces"),
-    "cut_row.off": ("OFF\n6 1 0\n" + rows() + "6 2 3 4\n", "is cut off: it says that it has 6 vertices and 1 faces"),
+    "cut_row.off": ("OFF\n6 1 0\n" + rows() + "6 2 3 4\n", "a face says that it has 6 corners, and has 3"),
     "four.off": ("4OFF\n1 0 0\n0 0 0 1\n", "begins with '4OFF' and not with OFF"),
-    "empty.off": ("", "empty.off: cannot be read: is empty"),
     "typed.ply": (ply("half"), 'its header has the type "half", which is not known'),
     "beyond.ply": (ply(faces="3 0 1 6\n"), "a face names a vertex that is not among its 6"),
     "empty.ply": ("", "empty.ply"),
@@ -257,6 +261,8 @@ NO_MESHES = {
     "strips.ply": (ply(element="tristrips", faces="4 0 1 5 2\n"), "triangle strips, which are not read"),
     "bad.obj": (rows("v ") + "f 1 2 3 9\n", "names a vertex that is not among its 6"),
     "zero.obj": (rows("v ") + "f 0 1 2\n", "names vertex 0, and they count from 1"),
+    "short.off": ("OFF\n9 1 0\n" + rows("") + "3 0 1 2\n", "is cut off: it says that it has 9 vertices .*has 7 lines"),
+    "empty.off": ("", "empty.off: the file is empty"),
     "text.stl": (
         "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n",
         "is cut off: its last line is no endsolid",
@@ -276,6 +282,20 @@ def test_files_without_triangles_say_why(tmp_path, name):
         np.savetxt(tmp_path / "points.csv", UNDER_L, delimiter=",", header="x,y,z", comments="")
         run(tmp_path / "study", meshes=str(tmp_path / name), receivers="points", points=str(tmp_path / "points.csv"),
             directions=str(tmp_path / "suns.csv"), outputs=["bits"])  # fmt: skip
+
+
+def test_a_file_of_3mf(tmp_path):
+    """Read by trimesh with the packages that gnomon[study] brings; its unit is a thousandth."""
+    trimesh.creation.box((1, 2, 3)).export(tmp_path / "box.3mf")
+    mesh = meshes.load(str(tmp_path / "box.3mf"))
+    assert len(mesh.triangles) == 12
+    assert np.allclose(np.ptp(mesh.triangles.reshape(-1, 3), axis=0), [0.001, 0.002, 0.003])
+    assert mesh.notes == ("its unit is millimeter: its coordinates are multiplied by 0.001",)
+
+
+def test_what_has_no_triangles_says_so_once(tmp_path):
+    (tmp_path / "empty.gltf").write_text('{"asset": {"version": "2.0"}, "scenes": [{}], "scene": 0}')
+    assert meshes.load(str(tmp_path / "empty.gltf")).notes == ("has no triangles",)
 
 
 def test_faces_of_files_without_triangles_name_the_file(tmp_path):
@@ -527,6 +547,63 @@ def test_grids_that_are_refused(tmp_path, name):
     made, text = REFUSED[name]
     with pytest.raises(ValueError, match=text):
         shadow(tmp_path, ridge(tmp_path, **made))
+
+
+@pytest.mark.parametrize("dtype, nodata", [("int16", -32768), ("uint16", 65535), ("float32", np.nan)])
+def test_the_remedy_for_degrees_leaves_no_cell_of_height_0(tmp_path, dtype, nodata):
+    """The file declares no nodata: what the warped one has beside it must be no ground."""
+    place = dict(crs="EPSG:4326", transform=rasterio.Affine(0.01, 0, 10.4, 0, -0.01, 47.5))
+    with rasterio.open(tmp_path / "in.tif", "w", width=40, height=30, count=1, dtype=dtype, **place) as file:
+        file.write(np.full((1, 30, 40), 900, dtype))
+    with pytest.raises(ValueError, match="rio warp") as error:
+        shadow(tmp_path, str(tmp_path / "in.tif"))
+    words = re.search(r"\(rio (.*)\)", str(error.value))[1].split()
+    names = {"IN.tif": str(tmp_path / "in.tif"), "OUT.tif": str(tmp_path / "out.tif")}
+    main_group([names.get(word, word) for word in words], standalone_mode=False)
+    with rasterio.open(tmp_path / "out.tif") as file:
+        heights = file.read(1, masked=True)
+        assert np.array_equal(file.nodata, nodata, equal_nan=True)
+    assert heights.mask.any() and set(heights.compressed()) == {900}
+
+
+def test_degrees_that_no_crs_declares(tmp_path):
+    """Hills in an .asc file without a .prj: cells of three seconds of arc would be .8 mm wide. Both remedies help."""
+    hills = np.float32(500 + 300 * np.add.outer(np.sin(np.arange(30)), np.cos(np.arange(40))))
+    file = tmp_path / "in.asc"
+    head = "ncols 40\nnrows 30\nxllcorner 10.4\nyllcorner 47.5\ncellsize {}\n"
+    file.write_text(head.format(1 / 1200) + "\n".join(" ".join(map(str, row)) for row in hills))
+    with pytest.raises(
+        ValueError, match="in.asc: has no CRS, and its coordinates look like degrees .cells of"
+    ) as error:
+        shadow(tmp_path, str(file))
+    degrees, metres = (shlex.split(text)[1:] for text in re.findall(r"\((rio .*?\S)\)(?:,|$)", str(error.value)))
+    main_group(degrees, standalone_mode=False)
+    with pytest.raises(ValueError, match="its coordinates are degrees .WGS 84.*EPSG:32632"):
+        shadow(tmp_path, str(file))
+    file.write_text(head.format(0.5) + "\n".join(" ".join(map(str, row)) for row in hills))
+    (tmp_path / "in.prj").unlink()
+    with pytest.raises(ValueError, match="look like degrees"):
+        shadow(tmp_path, str(file))
+    main_group(metres, standalone_mode=False)
+    shadow(tmp_path, str(file))
+
+
+def test_rasters_inside_of_a_file(tmp_path):
+    x, y = 500_002.5 + 5 * np.arange(81), 3_999_997.5 - 5 * np.arange(11)
+    heights = np.zeros((11, 81), np.float32)
+    heights[:, 20] = 100
+    rasters = {"low": (("y", "x"), heights / 2), "dsm": (("y", "x"), heights)}
+    axes = {name: (name, values, {"standard_name": f"projection_{name}_coordinate", "units": "m"})
+            for name, values in (("x", x), ("y", y))}  # fmt: skip
+    xarray.Dataset(rasters, axes).to_netcdf(tmp_path / "two.nc", engine="scipy")
+    with pytest.raises(ValueError, match="two.nc: has 2 rasters in it: give one of them, such as 'net") as error:
+        shadow(tmp_path, str(tmp_path / "two.nc"))
+    low = re.search("'(.*)'", str(error.value))[1]
+    assert shadow(tmp_path, low) == 50
+    assert shadow(tmp_path, low.replace(":low", ":dsm")) == 100
+    (tmp_path / "text.gri").write_text("no raster")
+    with pytest.raises(ValueError, match="text.gri: GDAL cannot read it .*write it as a GeoTIFF"):
+        shadow(tmp_path, str(tmp_path / "text.gri"))
 
 
 @pytest.mark.parametrize("more, text", [

@@ -43,6 +43,16 @@ def test_a_cog_of_hours(study):
     assert list(path.parent.glob(".gnomon-*")) == []
 
 
+def test_a_name_of_another_format_is_refused(study):
+    for what, name in ((None, "hours.png"), (None, "hours"), ("suns", "suns.tif")):
+        path = study.folder.parent / name
+        with pytest.raises(
+            ValueError, match=rf"{name}: this result is written as \.(tif: .* hours.tif|csv: )"
+        ):
+            study.export(path, what=what)
+        assert not path.exists()
+
+
 @pytest.mark.parametrize("travel", [copy.copy, copy.deepcopy, lambda study: pickle.loads(pickle.dumps(study))])
 def test_a_study_travels_as_its_folder(study, travel):
     other = travel(study)

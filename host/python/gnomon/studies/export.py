@@ -46,6 +46,7 @@ def export(plan: Plan, path: Path, what: str | None = None) -> list[Path]:
         return [_export_points(plan, path, name)]
     if name == "lit":
         return _export_bits(plan, path)
+    _require_ending(path, ".tif", ".tiff")
     dtype = plan.store.array(f"results.zarr/{name}").dtype
     with _Cog(plan, path, 2, str(dtype), NO_HOURS) as file:
         file.set_band_description(1, TITLES[name])
@@ -57,6 +58,12 @@ def export(plan: Plan, path: Path, what: str | None = None) -> list[Path]:
             file.write(np.where(is_known, sums, NO_HOURS).astype(dtype), 1, window=_window(slices))
             file.write(np.where(np.isnan(undecided), NO_HOURS, undecided).astype(dtype), 2, window=_window(slices))
     return [path]
+
+
+def _require_ending(path: Path, *endings: str) -> None:
+    """Raises ValueError for a name that promises another format than the one that is written."""
+    if path.suffix.lower() not in endings:
+        raise ValueError(f"{path}: this result is written as {endings[0]}: name it {path.with_suffix(endings[0]).name}")
 
 
 def _window(slices: tuple[slice, ...]) -> Any:
@@ -119,6 +126,7 @@ def _export_bits(plan: Plan, folder: Path) -> list[Path]:
 def _export_points(plan: Plan, path: Path, name: str) -> Path:
     if name == "lit":
         raise ValueError("what: packed bits of points stay in zarr (xarray.open_zarr)")
+    _require_ending(path, ".csv")
     columns = [plan.store.array(f"results.zarr/{n}")[:] for n in ("x", "y", "z", name)]
     undecided = plan.store.array(f"results.zarr/{UNDECIDED[name]}")[:]
     np.savetxt(path, np.stack([*columns, undecided], axis=1), delimiter=",", fmt="%.17g", comments="",
@@ -127,6 +135,7 @@ def _export_points(plan: Plan, path: Path, name: str) -> Path:
 
 
 def _export_suns(plan: Plan, path: Path) -> Path:
+    _require_ending(path, ".csv")
     suns = plan.suns
     if len(suns.zones) != 1:
         raise ValueError(

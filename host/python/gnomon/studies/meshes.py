@@ -62,18 +62,22 @@ def reading(name: str) -> Iterator[None]:
     except Exception as error:  # a loader may raise anything at a broken file
         text = str(error)
         is_own = Path(name).suffix.lower() in (".ply", ".obj", ".off", ".stl", ".glb", ".gltf", ".json", ".jsonl")
-        remedy = "" if is_own else "; write it as .ply, .obj or .glb, and give that"
-        raise UnreadableError(text if text.startswith(name) else f"{name}: cannot be read: {error}{remedy}") from error
+        remedy = "export it again" if is_own else "write it as .ply, .obj or .glb, and give that"
+        raise UnreadableError(
+            text if text.startswith(name) else f"{name}: cannot be read: {error}; {remedy}"
+        ) from error
 
 
 @functools.lru_cache(maxsize=4)
 def _load(name: str, stamp: tuple[int, int] | None) -> MeshFile:
+    if stamp is not None and stamp[0] == 0:
+        raise UnreadableError(f"{name}: the file is empty")
     with reading(name):
         mesh = _loaded(name)
     if not np.isfinite(mesh.triangles).all():
         raise UnreadableError(f"{name}: a coordinate is not finite")
     _arrays.require_no_fill_values(mesh.triangles.reshape(-1, 9), name)
-    if not len(mesh.triangles):
+    if not len(mesh.triangles) and "has no triangles" not in mesh.notes:
         mesh = mesh._replace(notes=(*mesh.notes, "has no triangles"))
     return mesh
 
@@ -122,10 +126,10 @@ def read_by_trimesh(name: str) -> tuple[Polygons | NDArray[np.float64], tuple[st
     notes = []
     suffix = Path(name).suffix.lower()
     if suffix in (".obj", ".off"):
-        text = Path(name).read_text(encoding="utf-8", errors="replace").replace("\\\n", " ").replace("\\\r\n", " ")
+        text, is_utf16 = _text_of(name)
         if suffix == ".obj" and (others := len(OTHERS_OF_OBJ.findall(text))):
             notes.append(f"{others} points, lines, curves or free-form surfaces are left out")
-        if suffix == ".off" or OWN_FACE_OF_OBJ.search(text) or text.startswith("\ufeff"):
+        if suffix == ".off" or OWN_FACE_OF_OBJ.search(text) or text.startswith("\ufeff") or is_utf16:
             text = text.removeprefix("\ufeff")
             return (_off(text) if suffix == ".off" else _obj(text)), tuple(notes)
     if suffix == ".ply":
@@ -143,6 +147,14 @@ def read_by_trimesh(name: str) -> tuple[Polygons | NDArray[np.float64], tuple[st
         triangles = triangles * scale
         notes.append(f"its unit is {scene.units}: its coordinates are multiplied by {scale:g}")
     return triangles, tuple(notes)
+
+
+def _text_of(name: str) -> tuple[str, bool]:
+    """The text of a file, its continued lines in one; and whether it is UTF-16, as its byte order mark says."""
+    with open(name, "rb") as file:
+        is_utf16 = file.read(2) in (b"\xff\xfe", b"\xfe\xff")
+    text = Path(name).read_text(encoding="utf-16" if is_utf16 else "utf-8", errors="replace")
+    return text.replace("\\\n", " "), is_utf16
 
 
 def _require_whole_stl(name: str) -> None:
@@ -185,12 +197,13 @@ def _off(text: str) -> Polygons:
     lines[0] = lines[0][1:]
     lines = lines[not lines[0] :]
     vertex_count, face_count = int(lines[0][0]), int(lines[0][1])
+    if len(lines) - 1 < vertex_count + face_count:
+        said = f"{vertex_count} vertices and {face_count} faces"
+        raise ValueError(f"is cut off: it says that it has {said}, and has {len(lines) - 1} lines of them")
     vertices = np.array([line[:3] for line in lines[1 : 1 + vertex_count]], np.float64)
     rows = lines[1 + vertex_count : 1 + vertex_count + face_count]
-    if len(rows) < face_count or any(len(row) <= int(row[0]) for row in rows):
-        raise ValueError(
-            f"is cut off: it says that it has {vertex_count} vertices and {face_count} faces, and has fewer"
-        )
+    if short := next((row for row in rows if len(row) <= int(row[0])), None):
+        raise ValueError(f"a face says that it has {short[0]} corners, and has {len(short) - 1}")
     return vertices, [np.array(row[1 : 1 + int(row[0])], np.int64) for row in rows]
 
 

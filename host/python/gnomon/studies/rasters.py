@@ -135,7 +135,7 @@ def open_mosaic(names: tuple[str, ...], height_unit: str | None = None) -> Mosai
         if data.crs != first.crs and not _is_same_map(data.crs, first.crs):
             raise ValueError(
                 f"{name}: its CRS ({_name_of(data.crs)}) is not that of {names[0]} ({_name_of(first.crs)}): warp it "
-                f"onto that grid first (rio warp IN.tif OUT.tif --like {names[0]})"
+                f"onto that grid first (rio warp IN.tif OUT.tif --like {names[0]}{_option_of_warp(data)})"
             )
         other = data.transform
         column, row = (other.c - grid.c) / grid.a, (other.f - grid.f) / grid.e
@@ -145,7 +145,8 @@ def open_mosaic(names: tuple[str, ...], height_unit: str | None = None) -> Mosai
             raise ValueError(
                 f"{name}: its grid (cells of {other.a!r} x {-other.e!r}, from {other.c!r}, {other.f!r} on) is not that "
                 f"of {names[0]} ({grid.a!r} x {-grid.e!r}, from {grid.c!r}, {grid.f!r} on): warp it onto that grid "
-                f"first (rio warp IN.tif OUT.tif --like {names[0]} covers that file's extent; gdalwarp -tap -tr any)"
+                f"first (rio warp IN.tif OUT.tif --like {names[0]}{_option_of_warp(data)} covers that file's extent; "
+                "gdalwarp -tap -tr any)"
             )
         unit = _unit_of(data, name, height_unit)
         placed.append((name, round(row), round(column), data.height, data.width, unit))
@@ -185,6 +186,9 @@ def _checked(name: str) -> Any:
             data = rasterio.open(name)
     except rasterio.errors.RasterioError as error:
         raise ValueError(f"{name}: GDAL cannot read it ({error}): write it as a GeoTIFF, and give that") from None
+    if not data.count and data.subdatasets:
+        inside = data.subdatasets
+        raise ValueError(f"{name}: has {len(inside)} rasters in it: give one of them, such as {inside[0]!r}")
     grid = data.transform
     if grid == rasterio.Affine.identity():
         raise ValueError(
@@ -194,16 +198,47 @@ def _checked(name: str) -> Any:
     if grid.b or grid.d or grid.a <= 0 or grid.e >= 0:
         raise ValueError(
             f"{name}: the raster is rotated or not north up (its transform is {tuple(grid)[:6]}): warp it first (rio "
-            "warp IN.tif OUT.tif --dst-crs with its own CRS)"
+            f"warp IN.tif OUT.tif{_option_of_warp(data)} --dst-crs with its own CRS)"
         )
     if data.crs is not None:
-        require_metres(name, data.crs, *(grid @ (data.width / 2, data.height / 2)))
+        require_metres(name, data.crs, *(grid @ (data.width / 2, data.height / 2)), _option_of_warp(data))
     interpretation = data.colorinterp[0].name
     if interpretation not in ("gray", "undefined") or np.dtype(data.dtypes[0]).kind == "c":
         raise ValueError(
             f"{name}: its first band is no band of heights ({interpretation}, {data.dtypes[0]}; {data.count} in all)"
         )
+    if data.crs is None:
+        _require_no_degrees(name, data)
     return data
+
+
+def _require_no_degrees(name: str, data: Any) -> None:
+    """Raises ValueError for a file without a CRS whose coordinates must be degrees: its box fits longitudes and
+    latitudes, and its heights, but for the lowest and highest twentieth, rise by more than the box's diagonal."""
+    box = data.bounds
+    if max(-box.left, box.right) > 361 or max(-box.bottom, box.top) > 91:
+        return
+    try:
+        heights = data.read(1, masked=True, out_shape=(min(data.height, 256), min(data.width, 256))).compressed()
+    except rasterio.errors.RasterioError:
+        return  # the survey says so
+    heights = heights[np.isfinite(heights)].astype(np.float64)
+    if not heights.size or np.ptp(np.percentile(heights, [5, 95])) <= np.hypot(*(np.array(box[2:]) - box[:2])):
+        return
+    raise ValueError(
+        f"{name}: has no CRS, and its coordinates look like degrees (cells of {data.res[0]:g}, from {box.left:g}, "
+        f"{box.top:g} on): say so (rio edit-info --crs EPSG:4326 {name}), or that they are metres "
+        f'(rio edit-info --crs \'LOCAL_CS["site",UNIT["metre",1]]\' {name})'
+    )
+
+
+def _option_of_warp(data: Any) -> str:
+    """What rio warp needs for a file that declares no nodata: without it, cells outside of the file have height 0."""
+    if data.nodata is not None:
+        return ""
+    dtype = np.dtype(data.dtypes[0])
+    value = {"i": lambda: np.iinfo(dtype).min, "u": lambda: np.iinfo(dtype).max}.get(dtype.kind, lambda: "nan")()
+    return f" --src-nodata {value}"
 
 
 def _name_of(crs: Any) -> str:

@@ -235,8 +235,9 @@ def _names_of(value: Any, key: str) -> list[str]:
 
 
 def _is_gdals(name: str) -> bool:
-    """A name that only GDAL finds: an address, or a member of an archive."""
-    return "://" in name or name.startswith("/vsi")
+    """A name that only GDAL finds: an address, a member of an archive, or a raster in a file (netcdf:a.nc:z)."""
+    is_inside = re.match(r"[A-Za-z]\w+:", name) is not None and not Path(name).exists()
+    return "://" in name or name.startswith("/vsi") or is_inside
 
 
 def files_of(value: Any, folder: Path | None = None, key: str = "files") -> tuple[str, ...]:

@@ -58,10 +58,12 @@ def utm_at(crs: pyproj.CRS, x: float, y: float) -> int:
     return (32600 if latitude >= 0 else 32700) + int((longitude + 180) % 360 // 6) + 1
 
 
-def require_metres(name: str, crs: Any, x: float, y: float) -> None:
-    """Raises ValueError for a CRS that is no map in metres. x, y: a place of it, for the remedy."""
+def require_metres(name: str, crs: Any, x: float, y: float, option: str = "") -> None:
+    """Raises ValueError for a CRS that is no map in metres. x, y: a place of it, and option: one of rio warp, for the
+    remedy."""
     flat = horizontal(crs)
-    warp = f"warp it to UTM or a national grid first (rio warp IN.tif OUT.tif --dst-crs EPSG:{utm_at(flat, x, y)})"
+    command = f"rio warp IN.tif OUT.tif --dst-crs EPSG:{utm_at(flat, x, y)}{option}"
+    warp = f"warp it to UTM or a national grid first ({command})"
     units = {axis.unit_name: axis.unit_conversion_factor for axis in flat.axis_info}
     if flat.is_geographic:
         raise ValueError(f"{name}: its coordinates are degrees ({flat.name}), not metres on a map: {warp}")
