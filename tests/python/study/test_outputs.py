@@ -46,9 +46,7 @@ def test_a_cog_of_hours(study):
 def test_a_name_of_another_format_is_refused(study):
     for what, name in ((None, "hours.png"), (None, "hours"), ("suns", "suns.tif")):
         path = study.folder.parent / name
-        with pytest.raises(
-            ValueError, match=rf"{name}: this result is written as \.(tif: .* hours.tif|csv: )"
-        ):
+        with pytest.raises(ValueError, match=rf"{name}: this result is written as \.(tif: .* hours.tif|csv: )"):
             study.export(path, what=what)
         assert not path.exists()
 
