@@ -48,6 +48,8 @@ noticed beams/beam_intersect.clh 's/5\.2e-7f/2.6e-7f/' beams.v
 # The heights' errors, which no test misses; constants just below the least; what keeps a box's side outside.
 noticed occluders/triangle_records.clh 's/safe_n_z + v\[0\].error_z + height_error/safe_n_z/' planes.v
 refused planes
+noticed occluders/triangle_records.clh 's/PLANE_NEAR 0x1p-80f/PLANE_NEAR 0x1p-82f/' planes.v
+refused planes
 noticed occluders/triangle_records.clh 's/largest \* (8.0f \* GN_U)/largest * (6.5f * GN_U)/' planes_in_perspective.v
 refused planes_in_perspective
 noticed packets/parallel_packets.clh 's/PACKET_BOUND_OF_POINT 6.2e-7f/PACKET_BOUND_OF_POINT 5.8e-7f/' packets.v

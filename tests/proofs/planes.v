@@ -8,10 +8,11 @@
    height_error on top is the point's own.
 
    Assumed: x and y of corners are off by at most `error`, from 2^-24 on, z by error_z, from 2^-91 on (projection.v); |X|,
-   |Y|, |a_x| and |a_y| are at most what L multiplies the slopes with; a quotient is off by 2.5 ulp. Of the normal, denormals
-   may be kept or flushed: what underflow takes is less than 2^-8 of the delta. Of the height and of the margin's own sums and
-   quotients no result is below 2^-126 unless it is 0 (2^-90 in error_z covers underflow but in scenes less than about 1e-18
-   high whose denormals are flushed: prose). `safe_n_z` subtracts 1.01 delta_z and rounds once: at most |n_z| less the real
+   |Y|, |a_x| and |a_y| are at most what L multiplies the slopes with, which is from 1 (a bin has a texel) to 2^40 (vertices
+   from 1e12 on are out of range); a quotient is off by 2.5 ulp, and a slope by 2^-126 more. Denormals may be kept or flushed:
+   what that takes of the normal is less than 2^-8 of the delta, what it takes of the height and of the margin's sums is in
+   PLANE_NEAR. In prose: what it takes of the margin's quotient, whose sums are 2^-113 at the least (rho is half a texel at
+   least, and delta_x 2^-112), with a delta_z below 3 safe_n_z. `safe_n_z` subtracts 1.01 delta_z and rounds once: at most |n_z| less the real
    delta_z. Overflow: no height is certain where the margin is infinite. *)
 From Coq Require Import Reals QArith Qreals Lra Psatz.
 From Flocq Require Import Core.
@@ -108,14 +109,15 @@ Definition greater_4_other := Given reach 0.
 Definition greater_5_one :=
   greater_2_one.
 Definition greater_5_other := Given reach 0.
-(* margin: where mul(add(add(add(quotient_4, error_z), height_error), mul(add(abs(a_z), add(mul(abs(quotient_1),
-   greater_4), mul(abs(quotient_2), greater_5))), 1.1920928955078125e-06)), 1.0099999904632568) < infinity *)
+(* margin: where add(8.271806125530277e-25, mul(add(add(add(quotient_4, error_z), height_error), mul(add(abs(a_z),
+   add(mul(abs(quotient_1), greater_4), mul(abs(quotient_2), greater_5))), 1.1920928955078125e-06)),
+   1.0099999904632568)) < infinity *)
 (* margin: where mul(quotient_2_under, orientation) > 0.0 *)
 (* margin: where quotient_4_under > mul(abs(quotient_2_under), 0.25) *)
 Definition margin :=
-  Times (4236247 # 4194304) (Add (Add (Add (Given quotient_4 5) (Given error_z 0)) (Given height_error 0)) (Times (5
-    # 4194304) (Add (Abs (Given a_z 0)) (Add (Mul (Abs (Given quotient_1 5)) (Given greater_4 0)) (Mul (Abs (Given
-    quotient_2 5)) (Given greater_5 0)))))).
+  Add (Const (1 # 1208925819614629174706176)) (Times (4236247 # 4194304) (Add (Add (Add (Given quotient_4 5) (Given
+    error_z 0)) (Given height_error 0)) (Times (5 # 4194304) (Add (Abs (Given a_z 0)) (Add (Mul (Abs (Given
+    quotient_1 5)) (Given greater_4 0)) (Mul (Abs (Given quotient_2 5)) (Given greater_5 0))))))).
 (* where mul(quotient_2_under, orientation) > 0.0 *)
 (* where quotient_4_under > mul(abs(quotient_2_under), 0.25) *)
 (* where margin < infinity *)
@@ -133,17 +135,20 @@ Lemma height_is_the_planes :
   real x height = x a_z + x quotient_1 * (x X - x a_x) + x quotient_2 * (x Y - x a_y).
 Proof. cbv [height plane_0 real]. ring. Qed.
 
+(* The grid has at most 2^14 texels a side; vertices from 1e12 on are out of range. *)
+Hypotheses (greater_4_in : 1 <= x greater_4 <= 2 ^ 40) (greater_5_in : 1 <= x greater_5 <= 2 ^ 40).
 (* L: the sum of the magnitudes that the margin multiplies with its constant. *)
-Definition of_largest := match margin with Times _ (Add _ (Times c _)) => c | _ => 0%Q end.
-Definition largest := match margin with Times _ (Add _ (Times _ l)) => l | _ => Const 0 end.
-Definition inflation := match margin with Times i _ => i | _ => 0%Q end.
-Lemma margin_is : margin = Times inflation
-  (Add (Add (Add (Given quotient_4 5) (Given error_z 0)) (Given height_error 0)) (Times of_largest largest)).
+Definition of_largest := match margin with Add _ (Times _ (Add _ (Times c _))) => c | _ => 0%Q end.
+Definition largest := match margin with Add _ (Times _ (Add _ (Times _ l))) => l | _ => Const 0 end.
+Definition inflation := match margin with Add _ (Times i _) => i | _ => 0%Q end.
+Definition of_nothing : Q := match margin with Add (Const c) _ => c | _ => 0%Q end.
+Lemma margin_is : margin = Add (Const of_nothing) (Times inflation
+  (Add (Add (Add (Given quotient_4 5) (Given error_z 0)) (Given height_error 0)) (Times of_largest largest))).
 Proof. reflexivity. Qed.
 Definition twice := Times 2 largest.
-(* The margin rounds five times more than `largest`, and once less than `twice`. *)
-Definition constant : Q := of_largest * inflation * (1 # 2) * (1 - (6 # 2 ^ 24)).
-Definition least_bound := Eval vm_compute in (2 * rate u32Q height twice / (inflation * (1 - (6 # 2 ^ 24))))%Q.
+(* The margin rounds six times more than `largest`, and once less than `twice`. *)
+Definition constant : Q := of_largest * inflation * (1 # 2) * (1 - (7 # 2 ^ 24)).
+Definition least_bound := Eval vm_compute in (2 * rate u32Q height twice / (inflation * (1 - (7 # 2 ^ 24))))%Q.
 
 Lemma products : permanent x height <= permanent x twice.
 Proof.
@@ -156,18 +161,65 @@ Proof.
   assert (P3 := Rmult_le_compat_l _ _ _ S1 X_in). assert (P4 := Rmult_le_compat_l _ _ _ S2 Y_in). lra.
 Qed.
 
-Theorem rounding v s :
-  within_limits x (Q2R any) (Q2R any) height -> within_limits x (Q2R any) (Q2R any) twice ->
-  computes_normal x height v -> computes_normal x twice s -> 0 <= s -> Rabs (v - real x height) <= Q2R constant * s.
+(* What underflow takes: coordinates are up to 2^40, slopes and heights up to L, as both maxima are 1 at least. *)
+Let L := real x largest.
+Definition is_place i := (Nat.eqb i X || Nat.eqb i Y || Nat.eqb i a_x || Nat.eqb i a_y || Nat.eqb i greater_4 ||
+  Nat.eqb i greater_5)%bool.
+Definition sizes i : polynomial := if is_place i then number (2 ^ 40) else line 0 1.
+Definition rest_of_height := line (1 # 2 ^ 82) (1 # 2 ^ 120).
+Lemma inputs_in : Rabs (x a_z) <= L /\ Rabs (x quotient_1) <= L /\ Rabs (x quotient_2) <= L.
+Proof.
+  unfold L. cbv [largest margin real]. assert (S1 := Rabs_pos (x quotient_1)). assert (S2 := Rabs_pos (x quotient_2)).
+  assert (Z := Rabs_pos (x a_z)). assert (P1 := Rmult_le_compat_l _ _ _ S1 (proj1 greater_4_in)).
+  assert (P2 := Rmult_le_compat_l _ _ _ S2 (proj1 greater_5_in)). lra.
+Qed.
+Lemma power_40 : Q2R (2 ^ 40) = 2 ^ 40.
+Proof. unfold Q2R. simpl. lra. Qed.
+Theorem rounding v s : computes32 x height v -> computes32 x twice s ->
+  Rabs (v - real x height) <= Q2R constant * s + at_size L rest_of_height.
 Proof.
   assert (X0 := Rabs_pos (x X)). assert (Y0 := Rabs_pos (x Y)).
   assert (G4 := Rabs_pos_eq (x greater_4) ltac:(lra)). assert (G5 := Rabs_pos_eq (x greater_5) ltac:(lra)).
   assert (two : Rabs (Q2R 2) = Q2R 2) by (unfold Q2R; simpl; rewrite Rabs_pos_eq; lra).
-  intros. eapply float_error_of_normal_numbers with (size := twice) (m := fun _ => any) (d := fun _ _ => any); try
-    eassumption.
-  - vm_compute. reflexivity.
-  - apply products.
-  - cbv [twice largest margin real permanent]. rewrite two, G4, G5. reflexivity.
+  intros Cv Cs. destruct inputs_in as (I1 & I2 & I3). assert (L0 : 0 <= L) by (assert (Z := Rabs_pos (x a_z)); lra).
+  clearbody L. assert (E := error_but_taken x (all h32Q) height twice constant v s (all_may_lose x) ltac:(vm_compute; reflexivity)
+    ltac:(vm_compute; reflexivity) products ltac:(cbv [twice largest margin real permanent]; rewrite two, G4, G5;
+      reflexivity) Cv Cs).
+  assert (T1 := lost_is_at_most x (all h32Q) sizes (fun _ _ => nil) L (line (1 # 2 ^ 83) (1 # 2 ^ 121)) height
+    (all_may_lose x) L0 ltac:(cbn -[Q2R Rabs pow Qpower]; rewrite ?Q2R_0', ?Q2R_1, ?power_40; repeat split; lra)
+    ltac:(vm_compute; reflexivity)).
+  assert (T2 := lost_is_at_most x (all h32Q) sizes (fun _ _ => nil) L (line (1 # 2 ^ 82) (1 # 2 ^ 120)) twice
+    (all_may_lose x) L0 ltac:(cbn -[Q2R Rabs pow Qpower]; rewrite ?Q2R_0', ?Q2R_1, ?power_40, ?G4, ?G5; repeat split; lra)
+    ltac:(vm_compute; reflexivity)).
+  fold (taken x (all h32Q) height) in T1. fold (taken x (all h32Q) twice) in T2.
+  assert (c : 0 <= Q2R constant <= / 2).
+  { split; [rewrite <- Q2R_0' | replace (/ 2) with (Q2R (1 # 2)) by (unfold Q2R; simpl; lra)]; apply Qle_Rle;
+    apply Qle_bool_iff; vm_compute; reflexivity. }
+  assert (T0 : 0 <= taken x (all h32Q) twice)
+    by (apply lost_positive; [apply bpow_ge_0 | apply bpow_ge_0 | exact (keeps_range x _ (all_may_lose x))]).
+  assert (cT := Rmult_le_compat_r _ _ _ T0 (proj2 c)).
+  set (k := Q2R constant) in *. clearbody k. unfold rest_of_height. revert T1 T2.
+  cbn -[taken Q2R height twice]. unfold Q2R. simpl Qnum. simpl Qden. intros. lra.
+Qed.
+(* The slopes are off by 2^-126 from quotients, as underflow may have it: so much more is a height. *)
+Lemma of_quotients p q : Rabs (x quotient_1 - p) <= h32 -> Rabs (x quotient_2 - q) <= h32 ->
+  Rabs (real x height - (x a_z + p * (x X - x a_x) + q * (x Y - x a_y))) <= / 2 ^ 84.
+Proof.
+  intros A B. rewrite height_is_the_planes. assert (h1 := h32_below). assert (h0 := h32_positive).
+  assert (far : forall i j g, Rabs (x i) <= x g -> Rabs (x j) <= x g -> x g <= 2 ^ 40 -> Rabs (x i - x j) <= 2 ^ 41).
+  { intros i j g H1 H2 H3. apply between in H1, H2. apply Rabs_le. simpl in *. lra. }
+  assert (PA := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) A (far X a_x greater_4 X_in a_x_in (proj2 greater_4_in))).
+  assert (PB := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) B (far Y a_y greater_5 Y_in a_y_in (proj2 greater_5_in))).
+  rewrite <- Rabs_mult in PA, PB. apply between in PA, PB. apply Rabs_le. simpl in *. lra.
+Qed.
+
+(* The margin as it is computed: M is the greatest of the quotient, the errors, the slopes and the height of a. *)
+Theorem margin_near M v : 0 <= M -> within x (fun i => at_size M (sizes i)) (fun _ _ => 0) margin ->
+  computes32 x margin v -> Rabs (v - real x margin) <= alpha u32 (roundings margin) * permanent x margin +
+    at_size M (line (1 # 2 ^ 96) (1 # 2 ^ 100)).
+Proof.
+  intros M0 W C. exact (near_at_size x sizes (fun _ _ => nil) M (line (1 # 2 ^ 96) (1 # 2 ^ 100)) margin v M0
+    ltac:(vm_compute; reflexivity) W C).
 Qed.
 
 (* ---- The normal, and how far the heights move with it ---- *)
@@ -295,7 +347,14 @@ Definition deepest := (roundings margin + roundings quotient_4_over + roundings 
 Lemma inflation_is_enough : Qle_bool (1 + (1 # 2 ^ 8)) (inflation * (1 - alphaQ u32Q deepest)) = true.
 Proof. vm_compute. reflexivity. Qed.
 
+(* What underflow takes of a height, of its slopes and of the margin, and in proportion to L. *)
+Lemma kernel_is_enough :
+  ((1 # 2 ^ 82) + (1 # 2 ^ 84) + (1 # 2 ^ 96) <= of_nothing * (1 - (1 # 2 ^ 20)) /\
+   least_bound + (1 # 2 ^ 100) <= of_largest)%Q.
+Proof. vm_compute. split; discriminate. Qed.
+
 Definition constants := Eval vm_compute in shown least_bound of_largest.
 Print constants.
-Definition checked := (rounding, n_x_near, n_y_near, n_z_near, plane_moves, inflation_is_enough).
+Definition checked := (rounding, of_quotients, margin_near, n_x_near, n_y_near, n_z_near, plane_moves, inflation_is_enough,
+  kernel_is_enough).
 Print Assumptions checked.
