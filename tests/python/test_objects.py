@@ -363,3 +363,8 @@ def test_arrays_are_not_read_from_files(tmp_path):
     with pytest.raises(ValueError, match="direction: must be three numbers, not 'down'"):
         scene.lit([[0, 0, 0]], direction="down")
     assert scene.lit(np.loadtxt(tmp_path / "a.csv", delimiter=","), direction=DOWN).tolist() == RIGHT
+
+
+def test_an_empty_multi_block_is_said():
+    with pytest.raises(TypeError, match="vertices: MultiBlock has no blocks: give it meshes first, by append"):
+        gnomon.Scene(pyvista().MultiBlock())

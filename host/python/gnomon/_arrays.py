@@ -60,10 +60,14 @@ def _has_mask(array: Any) -> bool:
     )
 
 
+#: nodatavals: of xarray.open_rasterio(), a value for each band.
+NO_DATA_ATTRIBUTES = ("_FillValue", "missing_value", "nodata", "nodatavals")
+
+
 def declared_no_data(array: Any) -> list[Any]:
     """The values that an xarray.DataArray's attributes declare for no data."""
     attrs = getattr(array, "attrs", {})
-    return [value for key in ("_FillValue", "missing_value", "nodata") for value in np.atleast_1d(attrs.get(key, ()))]
+    return [value for key in NO_DATA_ATTRIBUTES for value in np.atleast_1d(attrs.get(key, ()))]
 
 
 def _declared_absent(array: Any, values: NDArray[Any]) -> NDArray[np.bool_] | None:

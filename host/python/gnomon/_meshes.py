@@ -54,6 +54,8 @@ def _of_pyvista(mesh: Any) -> tuple[Any, Any] | None:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the names of these functions change between versions
         if hasattr(mesh, "n_blocks") and hasattr(mesh, "extract_geometry"):
+            if not mesh.n_blocks:
+                raise TypeError(f"vertices: {type(mesh).__name__} has no blocks: give it meshes first, by append()")
             mesh = mesh.extract_geometry()
         if not (hasattr(mesh, "triangulate") and hasattr(mesh, "points")):
             return None

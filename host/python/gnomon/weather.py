@@ -150,7 +150,9 @@ def read(path: str | os.PathLike[str] | IO[bytes]) -> Weather:
 
 
 def towards(azimuth: ArrayLike, elevation: ArrayLike) -> NDArray[np.float64]:
-    """(..., 3) unit vectors, x east, y north, z up, of degrees clockwise from north and above the horizon."""
+    """(..., 3) unit vectors, x east, y north, z up, of degrees clockwise from north and above the horizon. Angles as
+    small as radians are taken for degrees: a low Sun has such, and an array has no heading that could name its unit, as
+    a table of suns must."""
     a, e = np.radians(np.asarray(azimuth, np.float64)), np.radians(np.asarray(elevation, np.float64))
     return np.stack([np.sin(a) * np.cos(e), np.cos(a) * np.cos(e), np.sin(e)], axis=-1)
 

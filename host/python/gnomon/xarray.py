@@ -29,9 +29,14 @@ from ._study import NEEDS
 from ._viewshed import REFRACTION, ViewshedGrid
 
 #: Attributes of heights that do not hold for results.
-_OF_HEIGHTS = ("units", "long_name", "standard_name", "_FillValue", "missing_value", "nodata", "scale_factor",
-               "add_offset", "valid_range", "valid_min", "valid_max", "actual_range", "STATISTICS_MINIMUM",
-               "STATISTICS_MAXIMUM", "STATISTICS_MEAN", "STATISTICS_STDDEV", "STATISTICS_VALID_PERCENT")  # fmt: skip
+_OF_HEIGHTS = ("units", "long_name", "standard_name", "_FillValue", "missing_value", "nodata", "nodatavals",
+               "scale_factor", "add_offset", "valid_range", "valid_min", "valid_max", "actual_range",
+               "STATISTICS_MINIMUM", "STATISTICS_MAXIMUM", "STATISTICS_MEAN", "STATISTICS_STDDEV",
+               "STATISTICS_VALID_PERCENT")  # fmt: skip
+#: First words of attrs["units"] that are metres.
+_METRES = ("", "m", "m.", "metre", "metres", "meter", "meters", "mtr")
+#: Names of dimensions whose coordinates are degrees, if no attribute says another unit.
+_DEGREES = ("lon", "longitude", "lat", "latitude")
 _EASTWARDS = ("x", "lon", "longitude", "easting", "east", "projection_x_coordinate")
 
 #: Takes heights (R, C), with NaN where there is no data, and gives layers (n, R, C).
@@ -134,15 +139,18 @@ class GnomonAccessor:
             if name not in dem.coords:
                 raise ValueError(f"heights: the dimension {name!r} has no coordinates")
         dem = dem.transpose(y_dim, x_dim)
+        _require_heights_in_metres(dem)
         return dem, dem[x_dim].values.astype(np.float64), dem[y_dim].values.astype(np.float64)
 
     def _results(self, dem: xarray.DataArray, layers: _Layers, count: int) -> list[xarray.DataArray]:
         """The layers that `layers` makes of the heights, as arrays like `dem`, in the caller's order of dimensions."""
         no_data = _arrays.declared_no_data(dem)
+        lowest, highest = _valid_range(dem)
 
         def run(values: Any) -> NDArray[np.float32]:
             given = np.ma.asarray(values)
             is_there = np.isfinite(given.data) & ~np.ma.getmaskarray(given) & ~np.isin(given.data, no_data)
+            is_there &= (given.data >= lowest) & (given.data <= highest)
             _arrays.require_heights(given.data, is_there, "dem.attrs['_FillValue'] = {}", len(no_data) > 0)
             return layers(np.where(is_there, given.data, np.nan))
 
@@ -176,9 +184,38 @@ def _crs_of(dem: xarray.DataArray) -> Any:
     return dem.attrs.get("crs")
 
 
+def _valid_range(dem: xarray.DataArray) -> tuple[float, float]:
+    """The lowest and the highest value that is data, as the conventions of netCDF have it."""
+    low, high = dem.attrs.get("valid_range", (-np.inf, np.inf))
+    return float(dem.attrs.get("valid_min", low)), float(dem.attrs.get("valid_max", high))
+
+
+def _require_heights_in_metres(dem: xarray.DataArray) -> None:
+    units = str(dem.attrs.get("units", "")).strip()
+    if (units.lower().split() or [""])[0] not in _METRES:
+        raise ValueError(
+            f"heights: attrs['units'] is {units!r}, which is not metres: multiply them by the metres of that unit, and "
+            "say so, as in (dem * 0.3048).assign_attrs(units='m')"
+        )
+    packing = [key for key, none in (("scale_factor", 1), ("add_offset", 0)) if dem.attrs.get(key, none) != none]
+    if packing:
+        raise ValueError(
+            f"heights: are packed numbers (attrs['{packing[0]}'] is {dem.attrs[packing[0]]}): decode them first, as in "
+            "xarray.decode_cf(dem.to_dataset(name='z')).z"
+        )
+
+
 def _require_metres(dem: xarray.DataArray, x: NDArray[np.float64], y: NDArray[np.float64], crs: Any = None) -> None:
     known = crs if crs is not None else _crs_of(dem)
     if known is None:
+        for name in dem.dims:
+            units = str(dem.coords[name].attrs.get("units", ""))
+            if units.lower().startswith("degree") or (not units and str(name).lower() in _DEGREES):
+                raise ValueError(
+                    f"heights: the coordinates {str(name)!r} are degrees: put them on a map in metres first, as in "
+                    "dem.rio.write_crs('EPSG:4326').rio.reproject(dem.rio.estimate_utm_crs()); if they are metres, "
+                    f"say so: dem.{name}.attrs['units'] = 'm'"
+                )
         return
     try:
         import pyproj.exceptions

@@ -261,6 +261,11 @@ NO_MESHES = {
     "strips.ply": (ply(element="tristrips", faces="4 0 1 5 2\n"), "triangle strips, which are not read"),
     "bad.obj": (rows("v ") + "f 1 2 3 9\n", "names a vertex that is not among its 6"),
     "zero.obj": (rows("v ") + "f 0 1 2\n", "names vertex 0, and they count from 1"),
+    "no_face.ply": (
+        "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty list uchar uint vertex_indices\n"
+        "end_header\n0\n",
+        'its header has the list "vertex_indices" without the line "element face N" above it',
+    ),
     "short.off": ("OFF\n9 1 0\n" + rows("") + "3 0 1 2\n", "is cut off: it says that it has 9 vertices .*has 7 lines"),
     "empty.off": ("", "empty.off: the file is empty"),
     "text.stl": (

@@ -85,6 +85,41 @@ def test_absent_heights_of_every_kind(expected):
     same(masked.gnomon.viewshed(PLACE, height=60, outside=300.0), expected)
 
 
+@pytest.mark.parametrize("value, attrs", [
+    (-70.0, {"valid_range": [-50.0, 9000.0]}), (-70.0, {"valid_min": -50.0}), (9999.0, {"valid_max": 9000.0}),
+    (-7.0, {"nodatavals": (-7.0,)}), (-7.0, {"missing_value": [-7.0, -8.0]}),
+])  # fmt: skip
+def test_absent_heights_that_attributes_declare(value, attrs, expected):
+    declared = dem_of(np.where(np.isnan(city(40)), value, city(40))).assign_attrs(attrs)
+    found = declared.gnomon.viewshed(PLACE, height=60, outside=300.0)
+    same(found, expected)
+    assert not set(attrs) & set(found.seen.attrs)
+
+
+@pytest.mark.parametrize("units", ["ft", "US survey foot", "mm", "degrees", "kg m-2", "cm"])
+def test_heights_that_are_not_metres_are_refused_and_the_remedy_helps(units, expected):
+    for ask in (lambda dem: dem.gnomon.viewshed(PLACE), lambda dem: dem.gnomon.sun_hours(**DAY)):
+        with pytest.raises(ValueError, match="heights: attrs..units.. is .*, which is not metres: multiply"):
+            ask(dem_of().assign_attrs(units=units))
+    in_feet = (dem_of() / 0.3048).assign_attrs(units=units)
+    same((in_feet * 0.3048).round(9).assign_attrs(units="m").gnomon.viewshed(PLACE, height=60, outside=300.0), expected)
+    with pytest.raises(ValueError, match="are packed numbers .*scale_factor"):
+        dem_of().assign_attrs(scale_factor=0.1).gnomon.viewshed(PLACE)
+
+
+@pytest.mark.parametrize("dims, units", [(("lat", "lon"), None), (("latitude", "Longitude"), None),
+                                         (("y", "x"), "degrees_east")])  # fmt: skip
+def test_degrees_without_a_crs_are_refused(dims, units):
+    dem = xarray.DataArray(np.zeros((8, 8)), {dims[0]: np.arange(8) / 3600, dims[1]: np.arange(8) / 3600}, dims)
+    if units:
+        dem[dims[1]].attrs["units"] = units
+    with pytest.raises(ValueError, match="are degrees: put them on a map in metres first"):
+        dem.gnomon.viewshed([0.001, 0.001])
+    for dim in dims:
+        dem[dim].attrs["units"] = "m"
+    assert dem.gnomon.viewshed([0.001, 0.001]).seen.values.all()
+
+
 def test_with_rioxarray(tmp_path, expected):
     rioxarray = pytest.importorskip("rioxarray")
     path = write_raster(tmp_path / "dem.tif", city(40))

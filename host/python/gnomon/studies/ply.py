@@ -69,6 +69,8 @@ def _header(data: bytes) -> tuple[list[Element], bool, int]:
     order = ""
     for line in data[first.end() : last.start()].decode("latin-1").splitlines():
         match line.split():
+            case ["property", "list", _, _, name] if name in CORNERS and elements and elements[-1].name == "vertex":
+                raise ValueError(f'its header has the list "{name}" without the line "element face N" above it')
             case ["format", name, *_] if name in FORMATS:
                 order = FORMATS[name]
             case ["element", name, rows]:
