@@ -271,7 +271,10 @@ Value NumberTable::value(std::size_t row, std::string_view name) const {
     if (const auto value = number_of<Value>(cell)) return *value;
     if (cell.empty()) refuse(row, joined({"no ", name}));
     const bool has_comma = std::ranges::count(cell, ',') == 1 && is_number(replaced(cell, ",", "."));
-    const std::string why = has_comma         ? "a decimal comma: write " + replaced(cell, ",", ".")
+    const bool may_be_thousands = has_comma && cell.size() - cell.find(',') == 4 && cell.find(',') > 0;
+    const std::string why = may_be_thousands ? "whose comma may be either: write " + replaced(cell, ",", ".") +
+                                                   ", or " + replaced(cell, ",", "") + " if the comma parts thousands"
+                            : has_comma       ? "a decimal comma: write " + replaced(cell, ",", ".")
                             : is_number(cell) ? "which is beyond float32"
                                               : "which is no finite number";
     refuse(row, joined({name, " = \"", cell, "\", ", why}));

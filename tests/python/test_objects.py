@@ -341,8 +341,11 @@ OTHER_FILES = {
 @pytest.mark.parametrize("member", OTHER_FILES)
 def test_other_files_of_gltf(member):
     make, kind, says = OTHER_FILES[member]
+    given = make()
     with pytest.raises(kind, match=says) as error:
-        gnomon.Scene.from_gltf(make())
+        gnomon.Scene.from_gltf(given)
+    if hasattr(given, "close") and member != "a class":
+        given.close()  # else a later test that records warnings gets that of an unclosed file
     assert "\n" not in str(error.value) and "/gnomon-" not in str(error.value)
 
 

@@ -201,7 +201,8 @@ def _checked(name: str) -> Any:
             f"warp IN.tif OUT.tif{_option_of_warp(data)} --dst-crs with its own CRS)"
         )
     if data.crs is not None:
-        require_metres(name, data.crs, *(grid @ (data.width / 2, data.height / 2)), _option_of_warp(data))
+        x, y = grid @ (data.width / 2, data.height / 2)
+        require_metres(name, data.crs, x, y, _option_of_warp(data))
     interpretation = data.colorinterp[0].name
     if interpretation not in ("gray", "undefined") or np.dtype(data.dtypes[0]).kind == "c":
         raise ValueError(
