@@ -137,7 +137,8 @@ std::pair<double, std::size_t> mean_of(std::span<const double> values) {
     return {count != 0 ? sum / double(count) : 0, count};
 }
 
-std::string summary(const HoursOptions& options, const Lighting& lighting, const Reached& reached, bool has_triangles) {
+std::string summary(const HoursOptions& options, const scene::Scene& scene, const Lighting& lighting,
+                    const Reached& reached) {
     const SunTable& table = lighting.suns;
     const auto [mean, count] = mean_of(reached.sums.values);
     std::string text =
@@ -157,7 +158,10 @@ std::string summary(const HoursOptions& options, const Lighting& lighting, const
         text += fmt::format("; direct {:.6g}, diffuse {:.6g}", mean_of(reached.direct).first,
                             mean_of(reached.diffuse).first);
     text += fmt::format("; {:.0f} ms\n", reached.sums.statistics.total_wall_ms);
-    return count != 0 ? text : text + "hint: " + hint_of_empty(has_triangles) + "\n";
+    if (count != 0) return text;
+    bool has_any = false;
+    for (std::size_t i = 0; i < scene.triangle_count() && !has_any; ++i) has_any = scene.is_finite(i);
+    return text + "hint: " + hint_of_empty(has_any) + "\n";
 }
 
 /// The outputs of a run. All are opened before the long work.
@@ -250,10 +254,7 @@ void hours(const HoursOptions& options) {
                                 ? hours_of_points(options, device, *technique, scene, triangles, lighting, outputs)
                                 : hours_of_picture(options, device, *technique, scene, triangles, lighting, outputs);
     outputs.files.commit();
-    if (options.quiet) return;
-    bool has_triangles = false;
-    for (std::size_t i = 0; i < scene.triangle_count(); ++i) has_triangles |= scene.is_finite(i);
-    print_result(summary(options, lighting, reached, has_triangles));
+    if (!options.quiet) print_result(summary(options, scene, lighting, reached));
 }
 
 }  // namespace gnomon::app

@@ -84,22 +84,23 @@ Proof.
   replace (Q2R least_of_sizes) with (71 / 10 * u) in margin_in by (unfold Q2R, least_of_sizes; simpl; lra). lra.
 Qed.
 
+(* From what is computed on a side of the height, to what is real there. *)
+Ltac is_certain side computed_ground computed_side :=
+  let M := fresh in let M0 := fresh in let L := fresh in let A := fresh in let E := fresh in
+  apply ground_near in computed_ground; assert (M := margin_least);
+  assert (M0 : 0 <= x near_margin) by lra;
+  match type of computed_side with computes32 x side ?value =>
+    assert (L : limited32 2147483648 x side value) by in_limit
+  end;
+  near_in 2147483648%Q lost side L; plain_lost L;
+  cbn -[u32 alpha] in L; rewrite !(Rabs_pos_eq (x _)) in L by lra;
+  assert (A := alpha_below 2 ltac:(lia)); simpl INR in A;
+  assert (E := Rmult_le_compat_r (x height + x near_margin) _ _ ltac:(lra) A);
+  apply between in computed_ground; apply between in L; lra.
 Theorem lit_is_above g b : computes32 x ground g -> computes32 x below b -> g < b -> real_ground < x height.
-Proof.
-  intros Cg Cb less. apply ground_near in Cg. assert (M := margin_least).
-  assert (M0 : 0 <= x near_margin) by lra.
-  assert (L : limited32 2147483648 x below b) by in_limit. near_in 2147483648%Q lost below L. plain_lost L.
-  cbn -[u32 alpha] in L. rewrite !(Rabs_pos_eq (x _)) in L by lra. assert (A := alpha_below 2 ltac:(lia)). simpl INR in A.
-  assert (E := Rmult_le_compat_r (x height + x near_margin) _ _ ltac:(lra) A). apply between in Cg, L. lra.
-Qed.
+Proof. intros Cg Cb less. is_certain below Cg Cb. Qed.
 Theorem dark_is_below g a : computes32 x ground g -> computes32 x above a -> a < g -> x height < real_ground.
-Proof.
-  intros Cg Ca more. apply ground_near in Cg. assert (M := margin_least).
-  assert (M0 : 0 <= x near_margin) by lra.
-  assert (L : limited32 2147483648 x above a) by in_limit. near_in 2147483648%Q lost above L. plain_lost L.
-  cbn -[u32 alpha] in L. rewrite !(Rabs_pos_eq (x _)) in L by lra. assert (A := alpha_below 2 ltac:(lia)). simpl INR in A.
-  assert (E := Rmult_le_compat_r (x height + x near_margin) _ _ ltac:(lra) A). apply between in Cg, L. lra.
-Qed.
+Proof. intros Cg Ca more. is_certain above Cg Ca. Qed.
 End Crossing.
 
 (* ---- A ray that is walked alone ---- *)

@@ -19,6 +19,7 @@ from .._files import require_other
 from .._viewshed import REFRACTION
 from . import Execution, StudyStoppedError, open_study, read_toml, run, verify
 from .mesh_viewshed import MeshSettings, write_seen_targets
+from .meshes import SUFFIXES as SUFFIXES_OF_MESHES
 from .settings import files_of
 from .shares import WHAT as WHAT_OF_SHARES
 from .shares import ShareSettings, write_shares
@@ -199,8 +200,6 @@ def _refraction(text: str) -> float | None:
         raise argparse.ArgumentTypeError(f"{text!r} is neither a number nor 'plane'") from None
 
 
-#: What no raster's name ends in.
-OF_MESHES = (".obj", ".off", ".ply", ".stl", ".glb", ".gltf", ".json", ".jsonl", ".cityjson")
 #: Options of rasters alone, and their defaults.
 OF_RASTERS = {"what": None, "refraction": REFRACTION, "radius": EARTH_RADIUS, "outside": None, "height_unit": None,
               "folder": None, "bits": False, "tile": None, "block": 128, "restart": False, "workers": None}  # fmt: skip
@@ -225,7 +224,7 @@ def _seen_targets(options: argparse.Namespace) -> int:
 def _viewshed(options: argparse.Namespace) -> int:
     if options.targets is not None:
         return _seen_targets(options)
-    if (suffix := Path(options.raster).suffix.lower()) in OF_MESHES:
+    if (suffix := Path(options.raster).suffix.lower()) in (*SUFFIXES_OF_MESHES, ".cityjson"):
         raise ValueError(f"{options.raster}: is a mesh ({suffix}): give --targets too, a table of what is looked at")
     observers = observers_of(options.observers, options.height)
     require_other(options.output, [options.observers])

@@ -15,6 +15,7 @@ from .._side import Side
 from .._visible_from import VisibleFrom
 from .meshes import study_triangles
 from .tables import read_points
+from .viewshed import given_place
 
 
 class MeshSettings(NamedTuple):
@@ -40,15 +41,8 @@ class MeshSettings(NamedTuple):
 
 def _places_of(text: str) -> NDArray[np.float64]:
     """(M, 3). Raises ValueError."""
-    parts = text.split(",")
-    if len(parts) == 3:
-        try:
-            return np.array([[float(part) for part in parts]])
-        except ValueError:
-            pass  # a file's name may have commas
-    if not Path(text).exists():
-        raise ValueError(f"observers: {text!r} is neither x,y,z, such as 12.5,3,1.7, nor a file")
-    return read_points(text)[:, :3]
+    place = given_place(text, "x,y,z", "12.5,3,1.7")
+    return read_points(text)[:, :3] if place is None else np.array([place])
 
 
 def write_seen_targets(path: Path, settings: MeshSettings) -> dict[str, Any]:

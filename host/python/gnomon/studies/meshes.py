@@ -23,6 +23,8 @@ from . import cityjson, ply
 from .rasters import UnreadableError, stamp_of
 from .units import require_crs_of_mesh
 
+#: Of files that are read here, and not by trimesh's own readers alone.
+SUFFIXES = (".ply", ".obj", ".off", ".stl", ".glb", ".gltf", ".json", ".jsonl")
 #: Lines of an .obj file that are no triangles: points, lines, curves and free-form surfaces.
 OTHERS_OF_OBJ = re.compile(r"^[ \t]*(p|l|curv2?|surf)[ \t]", re.MULTILINE)
 #: Faces that trimesh does not read as they are: of more than 3 corners, or with an index of 0 or below.
@@ -61,7 +63,7 @@ def reading(name: str) -> Iterator[None]:
         raise UnreadableError(f"{name}: needs the Python package {package}: {remedy}") from error
     except Exception as error:  # a loader may raise anything at a broken file
         text = str(error)
-        is_own = Path(name).suffix.lower() in (".ply", ".obj", ".off", ".stl", ".glb", ".gltf", ".json", ".jsonl")
+        is_own = Path(name).suffix.lower() in SUFFIXES
         remedy = "export it again" if is_own else "write it as .ply, .obj or .glb, and give that"
         raise UnreadableError(
             text if text.startswith(name) else f"{name}: cannot be read: {error}; {remedy}"

@@ -32,15 +32,22 @@ NO_HEIGHT = -9999.0
 WHAT = {"seen": "bits", "counts": "counts", "heights": "heights"}
 
 
+def given_place(text: str, axes: str, example: str) -> list[float] | None:
+    """The numbers of "x,y" or "x,y,z", as `axes` has them; None for a file's name. Raises ValueError for neither."""
+    parts = text.split(",")
+    if len(parts) == len(axes.split(",")):
+        with contextlib.suppress(ValueError):
+            return [float(part) for part in parts]
+    if not Path(text).exists():
+        raise ValueError(f"observers: {text!r} is neither {axes}, such as {example}, nor a file")
+    return None
+
+
 def observers_of(text: str, height: float) -> tuple[tuple[float, float, float], ...]:
     """x, y and the height of the eye of each observer. text: "x,y", or a .csv file with the columns x, y and perhaps
     height. Raises ValueError."""
-    parts = text.split(",")
-    if len(parts) == 2:
-        with contextlib.suppress(ValueError):
-            return ((float(parts[0]), float(parts[1]), height),)
-    if not Path(text).exists():
-        raise ValueError(f"observers: {text!r} is neither x,y, such as 691000,5334000, nor a file")
+    if (place := given_place(text, "x,y", "691000,5334000")) is not None:
+        return ((place[0], place[1], height),)
     places, heights = read_observers(text)
     of_each = np.broadcast_to(height if heights is None else heights, len(places))
     return tuple((float(x), float(y), float(h)) for (x, y), h in zip(places, of_each, strict=True))
