@@ -50,7 +50,7 @@ BinaryTree::BinaryTree(cl::Session& session, const TriangleInputs& triangles, co
         const cl::Range each = cl::Range::items(params.count);
         session.launch(file, "tree_nearest", each, params, clusters, nearest);
         session.launch(file, "tree_kept", each, params, nearest, kept);
-        scan.run(session, params.count, 1, kept, slots);
+        scan.run(session, params.count, kept, slots);
         session.launch(file, "tree_join", each, params, clusters, nearest, slots, joined, nodes_, ranks_);
         std::uint32_t left = 0;
         session.read(slots.get(), &left, sizeof(left), params.count * sizeof(cl_uint));

@@ -107,7 +107,7 @@ bool BuiltHeightField::make_lists() {
     session.launch(file, "field_counts", each_triangle(), field_, vertices, counts, counters);
     if (session.read_value<FieldCounters>(counters).unfit != 0) return false;
     starts_.reserve(session, (cells + std::size_t(1)) * sizeof(cl_uint));
-    Scan().run(session, cells, 1, counts, starts_);
+    Scan().run(session, cells, counts, starts_);
     std::uint32_t entries = 0;
     session.read(starts_.get(), &entries, sizeof(entries), cells * sizeof(cl_uint));
     // A sum that does not fit is 2^32 - 1 (kernels/lists/scan.cl).

@@ -8,9 +8,8 @@ namespace gnomon {
 
 class Scan {
 public:
-    /// offsets[0..count]: sums of counts rounded up to `alignment` (a power of two) before each, and the total.
-    void run(cl::Session& session, std::uint32_t count, std::uint32_t alignment, const cl::Buffer& counts,
-             const cl::Buffer& offsets);
+    /// offsets[0..count]: the sums of the counts before each, and the total, all at most 2^32 - 1.
+    void run(cl::Session& session, std::uint32_t count, const cl::Buffer& counts, const cl::Buffer& offsets);
 
 private:
     cl::Buffer chunk_sums_;

@@ -18,7 +18,7 @@ void Sort::run(cl::Session& session, std::uint32_t count, cl::Buffer& keys, cl::
     for (cl_uint shift = 0; shift < bits; shift += SORT_DIGIT_BITS) {
         const SortParams params{.count = count, .shift = shift};
         session.launch("lists/sort.cl", "sort_count", cl::Range::items(chunks), params, keys, counts_);
-        scan_.run(session, counters, 1, counts_, slots_);
+        scan_.run(session, counters, counts_, slots_);
         session.launch("lists/sort.cl", "sort_scatter", cl::Range::items(chunks), params, keys, values, slots_,
                        other_keys_, other_values_);
         std::swap(keys, other_keys_);

@@ -132,6 +132,10 @@ inline bool are_lifted_off(const Triangles& triangles, const Points& points) {
 }
 /// `is_lifted`: are_lifted_off() the triangles of the run (PointsLayout::is_lifted).
 PointInputs point_inputs(const Points& points, bool is_lifted = false);
+/// Of a run over these triangles.
+inline PointInputs point_inputs(const Points& points, const Triangles& triangles) {
+    return point_inputs(points, are_lifted_off(triangles, points));
+}
 
 /// The rays of a camera, and where in a pixel its samples lie.
 struct CameraSamples {

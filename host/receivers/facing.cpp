@@ -75,8 +75,8 @@ const cl::Buffer* FacingStage::make_cache(cl::Session& session, const FacingPara
     return &cache_;
 }
 
-void FacingStage::run(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
-                      const PointInputs& points, cl_mem visibility, const cl::Buffer& counters) {
+void FacingStage::face(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
+                       const PointInputs& points, cl_mem visibility, const cl::Buffer& counters, bool opens_points) {
     const std::size_t bytes = frame_count_of(light_frame) * sizeof(PointBounds);
     frame_bounds_.reserve(session, bytes);
     const bool filters = !session.is_cpu() && share_facing(points) && points.footprints == nullptr;
@@ -86,22 +86,26 @@ void FacingStage::run(cl::Session& session, const LightFrame& light_frame, const
                   {counters, 0, sizeof(FrameCounters)},
                   {undecided_, 0, filters ? sizeof(cl_uint) : 0},
                   caches ? empty_cache(session, triangles) : cl::Fill{frame_bounds_, 0, 0}});
-    has_blocks_ = session.lanes() > 1 && points.footprints == nullptr;
-    const FacingParams params = facing_params(light_frame, triangles, points, triangles.count != 0, has_blocks_);
+    has_blocks_ = opens_points && session.lanes() > 1 && points.footprints == nullptr;
+    const FacingParams params = facing_params(light_frame, triangles, points, opens_points, has_blocks_);
     const cl::Buffer* cache = make_cache(session, params, triangles, points, counters);
     if (has_blocks_) blocks_.reserve(session, (points.layout.count / session.lanes() + 1) * sizeof(BlockBounds));
     face_points(session, params, triangles, points,
                 {visibility, frame_bounds_, counters, cache, blocks(), filters ? &undecided_ : nullptr});
 }
 
-FrameCounters run_facing(cl::Session& session, Statistics& statistics, const TriangleInputs& triangles,
-                         const PointInputs& points, const Light& light, cl_mem visibility, cl::Buffer& counters) {
+void FacingStage::run(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
+                      const PointInputs& points, cl_mem visibility, const cl::Buffer& counters) {
+    face(session, light_frame, triangles, points, visibility, counters, triangles.count != 0);
+}
+
+FrameCounters FacingStage::run_alone(cl::Session& session, Statistics& statistics, const TriangleInputs& triangles,
+                                     const PointInputs& points, const Light& light, cl_mem visibility,
+                                     cl::Buffer& counters) {
     if (points.layout.count == 0) return {};
     cl::StageTimer timer(session, statistics, "facing");
-    session.reserve_filled(counters, 0, sizeof(FrameCounters));
-    // No bounds are taken, so `counters` stands for frame_bounds, too.
-    face_points(session, facing_params(make_light_frame(light, {1, 0}), triangles, points, false, false), triangles,
-                points, {visibility, counters, counters});
+    counters.reserve(session, sizeof(FrameCounters));
+    face(session, make_light_frame(light, {1, 0}), triangles, points, visibility, counters, false);
     timer.next(nullptr);
     return session.read_value<FrameCounters>(counters);
 }

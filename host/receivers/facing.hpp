@@ -14,6 +14,10 @@ public:
     /// here).
     void run(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
              const PointInputs& points, cl_mem visibility, const cl::Buffer& counters);
+    /// For techniques without frames: decides the backfacing points, and makes all other points lit. Returns the
+    /// counts, in `counters`, which then has room for FrameCounters.
+    FrameCounters run_alone(cl::Session& session, Statistics& statistics, const TriangleInputs& triangles,
+                            const PointInputs& points, const Light& light, cl_mem visibility, cl::Buffer& counters);
     /// On a CPU: room for a cache, and what makes it one in which no triangle is classified yet (facing_cache.clh).
     cl::Fill empty_cache(cl::Session& session, const TriangleInputs& triangles);
     const cl::Buffer& frame_bounds() const { return frame_bounds_; }  ///< PointBounds of each frame
@@ -24,6 +28,9 @@ public:
     const cl::Buffer& undecided() const { return undecided_; }
 
 private:
+    /// `opens_points`: else all points that do not face away are lit, and no bounds are taken.
+    void face(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
+              const PointInputs& points, cl_mem visibility, const cl::Buffer& counters, bool opens_points);
     /// Null: every point classifies its receiver.
     const cl::Buffer* make_cache(cl::Session& session, const FacingParams& params, const TriangleInputs& triangles,
                                  const PointInputs& points, const cl::Buffer& counters);
@@ -31,10 +38,5 @@ private:
     cl::Buffer frame_bounds_, cache_, blocks_, undecided_;
     bool has_blocks_ = false;
 };
-
-/// For techniques without frames: decides the backfacing points, and makes all other points lit. Returns the counts, in
-/// `counters`, which then has room for FrameCounters.
-FrameCounters run_facing(cl::Session& session, Statistics& statistics, const TriangleInputs& triangles,
-                         const PointInputs& points, const Light& light, cl_mem visibility, cl::Buffer& counters);
 
 }  // namespace gnomon

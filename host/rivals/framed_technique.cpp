@@ -71,7 +71,8 @@ Statistics FramedTechnique::run_light(const Triangles& triangles, const Points& 
                                       const Visibility& visibility) {
     require_run(triangles, points, light, visibility);
     MeasuredRun measured(session_, kept_bytes_);
-    Run run{{triangle_inputs(triangles), point_inputs(points), make_light_frame(light, grid()), visibility.buffer()}};
+    Run run{{triangle_inputs(triangles), point_inputs(points, triangles), make_light_frame(light, grid()),
+             visibility.buffer()}};
     counters_.reserve(session_, sizeof(FrameCounters));
     FrameCounters facing{};
     if (points.count() != 0) {

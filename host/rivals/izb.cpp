@@ -27,25 +27,27 @@ void Izb::run(cl::Session& session, const TraceInputs& inputs) {
     // A CPU reads as many slots as it has lanes, also past the last one.
     slot_count_ = (points.layout.count + session.lanes() + 15) / 16 * 16;
     lists_.reserve(session, IZB_WORDS * std::size_t(slot_count_) * sizeof(cl_uint));
-    cursors_.reserve(session, list_bytes);
+    ranks_.reserve(session, points.layout.count * sizeof(cl_uint));
     offsets_.reserve(session, list_bytes + sizeof(cl_uint));
 
-    session.fill(cursors_, 0, list_bytes);
+    session.reserve_filled(counts_, 0, list_bytes);
     const auto blocks = session.blocks(points.layout.count);
     session.launch("rivals/izb.cl", "izb_count", blocks, params(inputs, 0), inputs.projections, points.positions,
-                   inputs.map != nullptr ? *inputs.map : cursors_, inputs.visibility, cursors_, inputs.counters);
-    scan_.run(session, list_count, 1, cursors_, offsets_);
-    session.fill(cursors_, 0, list_bytes);
+                   inputs.map != nullptr ? *inputs.map : counts_, inputs.visibility, counts_, ranks_, inputs.counters);
+    scan_.run(session, list_count, counts_, offsets_);
     session.launch("rivals/izb.cl", "izb_scatter", blocks, params(inputs, 0), inputs.projections, points.positions,
-                   offsets_, inputs.visibility, cursors_, lists_, inputs.counters);
+                   offsets_, ranks_, inputs.visibility, lists_, inputs.counters);
 }
 
 void Izb::trace(cl::Session& session, const TraceInputs& inputs, const Bins& bins, Trace& queue) {
     queue.reserve_queue(session, inputs.points);
-    session.launch(inputs.triangles.kernel("rivals/izb.cl", "izb_trace"), cl::Range::shares(bins.pair_capacity()),
-                   params(inputs, queue.capacity()), inputs.points.positions, inputs.points.receivers,
-                   inputs.triangles.vertices, lists_, offsets_, bins.pairs(), inputs.lists.records, inputs.lists.bounds,
-                   inputs.visibility, queue.queue(), inputs.counters);
+    const std::size_t capacity = bins.pair_capacity(), each = 4;  // pairs of a GPU's item
+    const cl::Range range = session.is_cpu() ? cl::Range::shares(capacity)
+                                             : cl::Range::groups(capacity / (each * IZB_GROUP) + 1, IZB_GROUP);
+    session.launch(inputs.triangles.kernel("rivals/izb.cl", "izb_trace"), range, params(inputs, queue.capacity()),
+                   inputs.points.positions, inputs.points.receivers, inputs.triangles.vertices, lists_, offsets_,
+                   bins.pairs(), inputs.lists.records, inputs.lists.bounds, inputs.visibility, queue.queue(),
+                   inputs.counters);
 }
 
 namespace {

@@ -26,7 +26,7 @@ private:
     IzbParams params(const TraceInputs& inputs, cl_uint queue_capacity) const;
 
     Scan scan_;
-    cl::Buffer cursors_, offsets_, lists_;
+    cl::Buffer counts_, ranks_, offsets_, lists_;
     cl_uint slot_count_ = 0;
 };
 

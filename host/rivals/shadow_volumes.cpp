@@ -62,7 +62,7 @@ public:
         require_run(triangles, points, light, visibility);
         if (points.count() == 0) return {};
         const TriangleInputs triangle_data = triangle_inputs(triangles);
-        const PointInputs point_data = point_inputs(points);
+        const PointInputs point_data = point_inputs(points, triangles);
         VolumeParams params = params_of(triangle_data, points, light);
         MeasuredRun measured(session_, kept_bytes_);
         const std::size_t tiles = std::size_t(params.tiles_x) * params.tiles_y;

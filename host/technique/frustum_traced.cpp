@@ -55,8 +55,7 @@ public:
     Statistics run_light(const Triangles& triangles, const Points& points, const Light& light,
                          const Visibility& visibility) override {
         require_run(triangles, points, light, visibility);
-        return prepared_.run(triangles, point_inputs(points, are_lifted_off(triangles, points)), light,
-                             visibility.buffer());
+        return prepared_.run(triangles, point_inputs(points, triangles), light, visibility.buffer());
     }
 
     Statistics run_table(const Triangles& triangles, const Points& points, const Lights& lights,

@@ -186,8 +186,7 @@ std::vector<std::uint32_t> FrustumTracer::run_watched(const Triangles& triangles
                                                       const Light& light, const Visibility& visibility) {
     require_run(triangles, points, light, visibility);
     Provenance provenance;
-    run(triangles, point_inputs(points, are_lifted_off(triangles, points)), light, visibility.buffer(),
-        {.provenance = &provenance});
+    run(triangles, point_inputs(points, triangles), light, visibility.buffer(), {.provenance = &provenance});
     return points.count() != 0 ? provenance.read(session_, points.count()) : std::vector<std::uint32_t>{};
 }
 

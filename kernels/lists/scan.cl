@@ -1,62 +1,69 @@
 // SPDX-License-Identifier: MIT
-// Exclusive prefix sums of counts, for every list that is counted, scanned and filled. Each count can be rounded up to
-// a multiple of `alignment` (a power of two) first, so that lists start aligned for vector loads.
+// Exclusive prefix sums of counts, for every list that is counted, scanned and filled. Sums stay at 2^32 - 1
+// where they would be larger, so that the host sees a total that does not fit.
 //
-// Three passes over chunks of SCAN_CHUNK counts, one work-item each: sums of chunks, their scan by one work-group,
-// offsets within chunks. offsets[count] becomes the total.
+// Three passes over chunks of SCAN_CHUNK counts, which work-groups take: sums of chunks, their scan by one work-group,
+// offsets within chunks. offsets[count] becomes the total. Each item of a group takes a run of neighbours. Local memory
+// of all three: a word for each item.
 #include "lists/scan.h"
 
-static uint rounded_up(uint count, uint alignment) { return (count + alignment - 1) & ~(alignment - 1); }
+#include "lists/group_scan.clh"
 
-__kernel void scan_sums(ScanParams params, __global const uint* counts, __global uint* chunk_sums) {
-    uint count = params.count, chunks = (count + SCAN_CHUNK - 1) / SCAN_CHUNK;
-    GN_FOR_EACH(chunk, chunks) {
-        uint sum = 0;
-        uint last = min((uint)(chunk + 1) * SCAN_CHUNK, count);
-        for (uint i = (uint)chunk * SCAN_CHUNK; i < last; ++i)
-            sum = add_sat(sum, rounded_up(counts[i], params.alignment));
-        chunk_sums[chunk] = sum;
+// The run of an item among `count` counts from `first` on, as (first, end).
+static uint2 run_of_item(uint first, uint count) {
+    uint items = (uint)get_local_size(0), run = (count + items - 1u) / items;
+    uint begin = min((uint)get_local_id(0) * run, count);
+    return (uint2)(first + begin, first + min(begin + run, count));
+}
+
+static uint sum_of_run(__global const uint* counts, uint2 run) {
+    uint sum = 0u;
+    for (uint i = run.x; i < run.y; ++i) sum = add_sat(sum, counts[i]);
+    return sum;
+}
+
+static uint chunk_count_of(uint count) { return (count + SCAN_CHUNK - 1u) / SCAN_CHUNK; }
+static uint counts_in_chunk(uint count, uint chunk) { return min(count - chunk * SCAN_CHUNK, SCAN_CHUNK); }
+
+#define FOR_EACH_CHUNK(chunk, count) \
+    for (uint chunk = (uint)get_group_id(0); chunk < chunk_count_of(count); chunk += (uint)get_num_groups(0))
+
+__kernel void scan_sums(uint count, __global const uint* counts, __global uint* chunk_sums, __local uint* sums) {
+    uint item = (uint)get_local_id(0), items = (uint)get_local_size(0);
+    FOR_EACH_CHUNK(chunk, count) {
+        uint first = chunk * SCAN_CHUNK, end = first + counts_in_chunk(count, chunk), sum = 0u;
+        for (uint i = first + item; i < end; i += items) sum = add_sat(sum, counts[i]);
+        scan_group(sum, sums);
+        if (item == items - 1u) chunk_sums[chunk] = sums[item];
+        barrier(CLK_LOCAL_MEM_FENCE);
     }
 }
 
-// One work-group: each item sums a run of chunks, item 0 scans the runs, each item writes its run's offsets.
-__kernel void scan_chunks(ScanParams params, __global uint* chunk_sums, __global uint* offsets,
-                          __local uint* run_sums) {
-    uint count = params.count, chunks = (count + SCAN_CHUNK - 1) / SCAN_CHUNK;
-    uint items = (uint)get_local_size(0), item = (uint)get_local_id(0);
-    uint run = (chunks + items - 1) / items;
-    uint first = min(item * run, chunks), last = min(first + run, chunks);
-    uint sum = 0;
-    for (uint chunk = first; chunk < last; ++chunk) sum = add_sat(sum, chunk_sums[chunk]);
-    run_sums[item] = sum;
-    barrier(CLK_LOCAL_MEM_FENCE);
-    if (item == 0) {
-        uint before = 0;
-        for (uint i = 0; i < items; ++i) {
-            uint size = run_sums[i];
-            run_sums[i] = before;
-            before = add_sat(before, size);  // saturates: a total that does not fit is seen as an overflow by the host
-        }
-        offsets[count] = before;
-    }
-    barrier(CLK_LOCAL_MEM_FENCE);
-    uint before = run_sums[item];
-    for (uint chunk = first; chunk < last; ++chunk) {
-        uint size = chunk_sums[chunk];
-        chunk_sums[chunk] = before;
-        before = add_sat(before, size);
+// One work-group.
+__kernel void scan_chunks(uint count, __global uint* chunk_sums, __global uint* offsets, __local uint* sums) {
+    uint item = (uint)get_local_id(0), items = (uint)get_local_size(0);
+    uint2 run = run_of_item(0u, chunk_count_of(count));
+    scan_group(sum_of_run(chunk_sums, run), sums);
+    uint before = item == 0u ? 0u : sums[item - 1u];
+    if (item == items - 1u) offsets[count] = sums[item];
+    for (uint i = run.x; i < run.y; ++i) {
+        uint sum = chunk_sums[i];
+        chunk_sums[i] = before;
+        before = add_sat(before, sum);
     }
 }
 
-__kernel void scan_offsets(ScanParams params, __global const uint* counts, __global const uint* chunk_sums,
-                           __global uint* offsets) {
-    uint count = params.count, chunks = (count + SCAN_CHUNK - 1) / SCAN_CHUNK;
-    GN_FOR_EACH(chunk, chunks) {
-        uint sum = chunk_sums[chunk];
-        uint last = min((uint)(chunk + 1) * SCAN_CHUNK, count);
-        for (uint i = (uint)chunk * SCAN_CHUNK; i < last; ++i) {
-            offsets[i] = sum;
-            sum = add_sat(sum, rounded_up(counts[i], params.alignment));
+__kernel void scan_offsets(uint count, __global const uint* counts, __global const uint* chunk_sums,
+                           __global uint* offsets, __local uint* sums) {
+    uint item = (uint)get_local_id(0);
+    FOR_EACH_CHUNK(chunk, count) {
+        uint2 run = run_of_item(chunk * SCAN_CHUNK, counts_in_chunk(count, chunk));
+        scan_group(sum_of_run(counts, run), sums);
+        uint before = add_sat(chunk_sums[chunk], item == 0u ? 0u : sums[item - 1u]);
+        for (uint i = run.x; i < run.y; ++i) {
+            offsets[i] = before;
+            before = add_sat(before, counts[i]);
         }
+        barrier(CLK_LOCAL_MEM_FENCE);
     }
 }

@@ -15,3 +15,6 @@ GN_STRUCT_END(IzbParams, 152)
 // The lists as a structure of arrays: slot_count words each of the point's index and of its X, Y, Z in the grid. The
 // index of an empty slot, which a removed point leaves, is GN_NO_ID.
 #define IZB_WORDS 4u
+
+// A GPU's work-group has at most this number of items.
+#define IZB_GROUP 128u

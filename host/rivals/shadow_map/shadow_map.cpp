@@ -129,12 +129,13 @@ public:
         require_run(triangles, points, light, visibility);
         require_consistent();
         MeasuredRun measured(session_, kept_bytes_);
-        FitInputs inputs{triangle_inputs(triangles), point_inputs(points), visibility.buffer(), light, points.camera()};
+        FitInputs inputs{triangle_inputs(triangles), point_inputs(points, triangles), visibility.buffer(), light,
+                         points.camera()};
         // These measure the distance to casters.
         inputs.keeps_casters = settings_.lookup >= LOOKUP_PCSS || settings_.bias == Settings::Bias::adaptive;
         map_views_.set = {};
-        const FrameCounters facing =
-            run_facing(session_, measured.stages, inputs.triangles, inputs.points, light, inputs.visibility, counters_);
+        const FrameCounters facing = facing_.run_alone(session_, measured.stages, inputs.triangles, inputs.points,
+                                                       light, inputs.visibility, counters_);
         if (points.count() != 0) {
             if (triangles.count() != 0 && facing.absent + facing.facing_away < points.count())
                 run_stages(inputs, measured.stages);
@@ -159,7 +160,7 @@ public:
         if (asked == all.end()) return Technique::draw_diagnostic(name, triangles, points, light);
         const Visibility visibility(device_, points.count());
         run_light(triangles, points, light, visibility);  // leaves its views behind
-        const FitInputs inputs{triangle_inputs(triangles), point_inputs(points), visibility.buffer(), light,
+        const FitInputs inputs{triangle_inputs(triangles), point_inputs(points, triangles), visibility.buffer(), light,
                                points.camera()};
         const auto diagnostic = static_cast<cl_uint>(asked - all.begin());
         return opaque_bytes(run_map_diagnostic(session_, diagnostic, inputs, map_views_).colors);
@@ -275,6 +276,7 @@ private:
     Settings settings_ = settings_table().defaults();
     ViewFit fit_;
     std::uint64_t kept_bytes_ = 0;  ///< of the buffers below, kept from run to run
+    FacingStage facing_;
     cl::Buffer counters_;
     MapViews map_views_;
     DepthMap depths_;

@@ -99,12 +99,12 @@ public:
         std::vector<LightRun*> drawn;
         runs.reserve(lights.size());
         for (std::size_t i = 0; i < lights.size(); ++i) {
-            LightRun& run = runs.emplace_back(LightRun{{triangle_inputs(triangles), point_inputs(points),
+            LightRun& run = runs.emplace_back(LightRun{{triangle_inputs(triangles), point_inputs(points, triangles),
                                                         visibilities[i].buffer(), lights[i], points.camera()}});
             run.index = i;
             light_views_[i].set = {};
-            run.facing = run_facing(session_, run.statistics, run.inputs.triangles, run.inputs.points, lights[i],
-                                    run.inputs.visibility, counters_);
+            run.facing = facing_.run_alone(session_, run.statistics, run.inputs.triangles, run.inputs.points, lights[i],
+                                           run.inputs.visibility, counters_);
             if (points.count() == 0) continue;
             if (triangles.count() != 0 && run.facing.absent + run.facing.facing_away < points.count())
                 drawn.push_back(&run);
@@ -152,7 +152,7 @@ public:
         session_.reserve_filled(point_entries_, NO_PAGE, count * sizeof(cl_uint));
         const Visibility visibility(device_, count);
         run_light(triangles, points, light, visibility);  // leaves its pages behind
-        const FitInputs inputs{triangle_inputs(triangles), point_inputs(points), visibility.buffer(), light,
+        const FitInputs inputs{triangle_inputs(triangles), point_inputs(points, triangles), visibility.buffer(), light,
                                points.camera()};
         const cl::Buffer colors(session_, 3 * count * sizeof(float));
         session_.launch(file, "virtual_map_page_colors", cl::Range::items(count),
@@ -205,7 +205,7 @@ private:
         fill_centres(session_, level_views_);
         const cl_uint entries = plan.view_count * plan.entries_per_view;
         page_of_.reserve(session_, (std::size_t(entries) + 1) * sizeof(cl_uint));
-        scan_.run(session_, entries, 1, requested_, page_of_);
+        scan_.run(session_, entries, requested_, page_of_);
         const cl_uint pages = counted_.pages_requested;
         if (pages > max_pages)
             throw InvalidArgument("the points request " + std::to_string(pages) + " pages of a virtual map of size " +
@@ -300,6 +300,7 @@ private:
     Scan scan_;
     std::vector<MapViews> light_views_;  ///< of each light
     MapViews level_views_;
+    FacingStage facing_;
     cl::Buffer counters_, requested_, page_of_, page_entries_, point_entries_, pages_, touched_, keys_, tile_keys_;
     CasterClusters clusters_;
     GrowingList pairs_{2 * sizeof(cl_uint)};
