@@ -78,6 +78,9 @@ void HeightGrid::set_box(SightGrid& grid, Spans spans) const {
         grid.first_column = std::clamp(first(y), 0, grid.first_column);
         grid.last_column = std::clamp(last(y), grid.last_column, grid.columns);
     }
+    grid.has_spans = 0;
+    for (int y = grid.first_row; y < grid.last_row; ++y)
+        if (first(y) > grid.first_column || last(y) < grid.last_column) grid.has_spans = 1;
 }
 
 // The grid of an eye, and its targets' box.

@@ -46,7 +46,8 @@ GN_STRUCT_BEGIN(SightGrid)
     int target_height;                                   // steps above the ground
     int first_column, first_row, last_column, last_row;  // the box of the targets, its end exclusive
     int band_first, band_last;                           // the rows that have answers
-GN_STRUCT_END(SightGrid, 56)
+    int has_spans;                                       // 0: all cells of the box are targets
+GN_STRUCT_END(SightGrid, 60)
 
 // Where an eye's answers are added: the counts of each cell, and bit `bit` of its word. Then all answers are hidden
 // again, as the next eye's sweep needs them.

@@ -177,6 +177,11 @@ static int2 place_of(const SweepQuadrant of, int a, int b) {
     return of.is_along_y ? (int2)(side, main) : (int2)(main, side);
 }
 
+static bool is_in_span(const SightGrid grid, __global const int* spans, int2 place) {
+    __global const int* span = spans + 2 * (place.y - grid.band_first);
+    return place.x >= span[0] && place.x < span[1];
+}
+
 // Decides a target of a wedge by the ground since line `nearest`, which was kept.
 static void decide_exactly(const SightGrid grid, const SightHeights lines, __global const int* patch_tops,
                            __global uchar* answer, int2 place, int height, int nearest) {
@@ -234,16 +239,17 @@ GN_INLINE void decide_targets(const SightGrid grid, const SweepQuadrant of, __gl
     const long line_stride = abs(of.line_stride), vertex_stride = abs(of.vertex_stride);
     const SightHeights all = {lines, of.is_along_y ? vertex_stride : line_stride,
                               of.is_along_y ? line_stride : vertex_stride};
+    const int2 first = place_of(of, a, 0);
+    const long answer_stride = of.direction * (of.is_along_y ? 1 : (long)grid.columns);
+    __global uchar* of_line = answers + answer_of(grid, first.y * (long)grid.columns + first.x);
     while (left != 0u) {
-        int lane = take_lane(&left);
-        int2 place = place_of(of, a, LANE_OF_INT(vertex, lane));
-        int row = place.y - grid.band_first;
-        if (place.x < spans[2 * row] || place.x >= spans[2 * row + 1]) continue;  // no target
-        __global uchar* answer = answers + (row * (long)grid.columns + place.x);
+        int lane = take_lane(&left), b = LANE_OF_INT(vertex, lane);
+        if (grid.has_spans && !is_in_span(grid, spans, place_of(of, a, b))) continue;
+        __global uchar* answer = of_line + b * answer_stride;
         if (near >> lane & 1u) {
             int kept = 0;
             while (!(above[kept] >> lane & 1u)) ++kept;
-            decide_exactly(grid, all, patch_tops, answer, place, LANE_OF_INT(met->height, lane),
+            decide_exactly(grid, all, patch_tops, answer, place_of(of, a, b), LANE_OF_INT(met->height, lane),
                            of.nearest + of.direction * wedges->lines_kept[kept]);
         } else {
             *answer = (uchar)(seen >> lane & 1u ? SIGHT_SEEN : SIGHT_OPEN);
