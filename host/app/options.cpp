@@ -434,7 +434,7 @@ std::optional<Days> day_of(const std::string& text) {
 void add_sun_options(CLI::App& app, HoursOptions& options, SunsOfPlace& place) {
     const Group add{app, "Suns (a table, a weather file, or a place with a day or a year)"};
     add("--directions", "FILE.csv", "A table with the columns x,y,z or azimuth,elevation, and weight (default 1)",
-        file_name(".csv"), into(options.directions));
+        file_name(), into(options.directions));
     add("--epw", "FILE",
         "A weather file (EPW, or a TMY3 table): direct irradiation, kWh/m2, by its direct normal irradiance, place,\n"
         "years and time zone, a sun in the middle of each hour; with --cosines",
@@ -484,7 +484,7 @@ CLI::App* add_hours(CLI::App& app, HoursOptions& options, SunsOfPlace& place) {
     add("--aov", "FILE.exr", "As of gnomon render, with the sum in place of visibility: channel value",
         file_name(".exr"), into(options.aov));
     add("--points", "FILE.csv", "Points in place of a picture: x,y,z and, for the side of the surface, nx,ny,nz",
-        file_name(".csv"), into(options.points));
+        file_name(), into(options.points));
     add("--unit", "TEXT", "The unit of the weights, for the legend (default hours)", name(), into(options.unit));
     add("--most", "VALUE", "The value with the last colour (default: the largest)", above_0(), into(options.most));
     add.flag("--cosines", options.cosines, "Each weight times the cosine between the sun and the surface's normal");

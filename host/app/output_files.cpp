@@ -99,6 +99,26 @@ void remove_temporaries_on_interrupt() {
     }
 }
 
+void refuse_input(const fs::path& file) {
+    const int error = errno;
+    std::error_code ignored;
+    const fs::file_status status = fs::status(file, ignored);
+    const std::string reason = status.type() == fs::file_type::not_found ? "it does not exist"
+                               : fs::is_directory(status)                ? "it is a folder"
+                               : ::access(file.c_str(), R_OK) != 0       ? reason_of(errno)
+                                                                         : reason_of(error);
+    throw Error("cannot read " + file.string() + ": " + reason);
+}
+
+fs::path temporary_folder() {
+    const char* const named = std::getenv("TMPDIR");
+    for (const fs::path folder : {named != nullptr ? named : "", "/tmp", "/var/tmp", "/dev/shm"}) {
+        std::error_code ignored;
+        if (fs::is_directory(folder, ignored) && ::access(folder.c_str(), W_OK | X_OK) == 0) return folder;
+    }
+    throw Error("no folder for temporary files can be written, as /tmp and that of TMPDIR: set TMPDIR to one");
+}
+
 OutputFile::OutputFile(fs::path target) : target_(std::move(target)), resolved_(target_) {
     struct stat existing {};
     const bool exists = ::stat(target_.c_str(), &existing) == 0;

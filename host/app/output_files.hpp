@@ -25,6 +25,12 @@ public:
     virtual void check() const = 0;
 };
 
+/// Throws Error for an input that could not be read, with the reason.
+[[noreturn]] void refuse_input(const std::filesystem::path& file);
+
+/// The folder of temporary files: TMPDIR's, or else another that can be written. Throws Error if there is none.
+std::filesystem::path temporary_folder();
+
 class OutputFile final : public ByteSink {
 public:
     /// Throws Error if `target` cannot be written.

@@ -200,8 +200,10 @@ std::vector<double> later_times(const SequenceReport& sequence, const std::strin
 }  // namespace
 
 const char* hint_of_empty(bool has_triangles) {
-    return has_triangles ? "the camera sees no triangle: --eye X,Y,Z --target X,Y,Z, or another --camera"
-                         : "the scene has no triangles";
+    return has_triangles
+               ? "the camera sees no triangle: --eye X,Y,Z --target X,Y,Z, another --camera, or a larger --size "
+                 "where they are thinner than a pixel"
+               : "the scene has no triangles";
 }
 
 std::filesystem::path numbered(const std::filesystem::path& file, std::uint32_t frame, std::uint32_t count) {

@@ -10,6 +10,7 @@
 #include <iterator>
 #include <numbers>
 
+#include "output_files.hpp"
 #include "pictures.hpp"
 #include "terminal.hpp"
 
@@ -119,8 +120,9 @@ scene::Scene load_scene(const ViewOptions& options, bool has_colors) {
 
 scene::Scene load_triangles(const std::filesystem::path& file) {
     std::ifstream stream(file, std::ios::binary);
+    if (!stream.is_open() || std::filesystem::is_directory(file)) refuse_input(file);
     const std::vector<char> bytes{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-    if (!stream.is_open() || stream.bad()) throw Error("cannot read " + file.string());
+    if (stream.bad()) refuse_input(file);
     constexpr std::size_t triangle_bytes = 9 * sizeof(float);
     if (bytes.size() % triangle_bytes != 0)
         throw Error(

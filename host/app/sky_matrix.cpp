@@ -18,6 +18,8 @@
 #include <numbers>
 #include <sstream>
 
+#include "output_files.hpp"
+
 extern char** environ;
 
 namespace gnomon::app {
@@ -66,7 +68,7 @@ std::vector<Part> parts_of_sky() {
 /// A temporary folder for the program's files, removed at the end.
 struct Folder {
     Folder() {
-        std::string name = (fs::temp_directory_path() / "gnomon-XXXXXX").string();
+        std::string name = (temporary_folder() / "gnomon-XXXXXX").string();
         if (mkdtemp(name.data()) == nullptr) throw Error("cannot make a folder in " + name);
         path = name;
     }

@@ -16,6 +16,7 @@
 #include <erfa.h>
 #endif
 
+#include "output_files.hpp"
 #include "scene/number_table.hpp"
 #include "terminal.hpp"
 #include "values.hpp"
@@ -193,9 +194,14 @@ std::string table_file_text(const std::filesystem::path& file) {
     const std::unique_ptr<gzFile_s, decltype(closed)> in(gzopen(file.c_str(), "rb"));  // reads plain files as they are
     std::string text;
     std::array<char, 1 << 16> part;
-    int count = in ? 0 : -1;
-    while (in && (count = gzread(in.get(), part.data(), part.size())) > 0) text.append(part.data(), std::size_t(count));
-    if (count < 0) throw Error("cannot read " + file.string());
+    if (!in) refuse_input(file);
+    int count = 0;
+    while ((count = gzread(in.get(), part.data(), part.size())) > 0) text.append(part.data(), std::size_t(count));
+    int state = Z_OK;
+    gzerror(in.get(), &state);
+    if (state == Z_ERRNO) refuse_input(file);
+    if (state != Z_OK && state != Z_STREAM_END)
+        throw Error("cannot read " + file.string() + ": it is packed with gzip, and cut off or damaged: pack it again");
     return text;
 }
 

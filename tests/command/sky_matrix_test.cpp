@@ -12,6 +12,7 @@
 #include <fstream>
 #include <numbers>
 
+#include "support/environment.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace {
@@ -137,6 +138,14 @@ TEST_F(SkyMatrix, GroundAndNightGiveNothing) {
     rows[0] = 9;
     use_matrix(rows);
     EXPECT_EQ(energy_on(sky_of_weather(two_hours(), 0), {0, 1, 0}), 0);
+}
+
+TEST_F(SkyMatrix, AnotherFolderServesWhereThatOfTmpdirIsMissing) {
+    std::vector<float> rows(patches + 1, 1.0f);
+    use_matrix(rows);
+    const double energy = energy_on(sky_of_weather(two_hours(), 0), {0, 1, 0});
+    const support::Environment missing("TMPDIR", "/proc/none");
+    EXPECT_EQ(energy_on(sky_of_weather(two_hours(), 0), {0, 1, 0}), energy);
 }
 
 TEST_F(SkyMatrix, BrokenProgramsAreOneSentence) {

@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <fstream>
 
+#include "../output_files.hpp"
 #include "../terminal.hpp"
 #include "server.hpp"
 
@@ -28,7 +29,7 @@ std::string name_of_machine() {
 /// A page of this user alone that leads to the address. A browser's own arguments would show the token to all users.
 fs::path write_pointer(const std::string& address) {
     const char* const own = std::getenv("XDG_RUNTIME_DIR");
-    std::string path = (own != nullptr ? fs::path(own) : fs::temp_directory_path()) / "gnomon-view-XXXXXX.html";
+    std::string path = (own != nullptr ? fs::path(own) : temporary_folder()) / "gnomon-view-XXXXXX.html";
     const int file = mkstemps(path.data(), int(std::string_view(".html").size()));
     if (file < 0) return {};
     const std::string html = "<!DOCTYPE html><meta http-equiv=\"refresh\" content=\"0;url=" + address + "\">";
@@ -64,7 +65,7 @@ void return_memory_at_once() {
 
 void view(const PageOptions& options) {
     return_memory_at_once();
-    if (options.scene && !std::ifstream(*options.scene)) throw Error("cannot read " + options.scene->string());
+    if (options.scene && !std::ifstream(*options.scene)) refuse_input(*options.scene);
     Worker worker(options);
     PageServer server(options, worker);
     if (!is_loopback(options.host))
