@@ -79,6 +79,24 @@ except KeyboardInterrupt:
     assert done.stdout == "interrupted True (3,)\n", done.stderr
 
 
+def test_ctrl_c_ends_a_viewshed():
+    """At the next of its observers, each of which takes 10 ms here."""
+    code = """
+import gnomon, numpy, signal, threading, time
+signal.signal(signal.SIGINT, signal.default_int_handler)
+grid, reports = gnomon.ViewshedGrid(numpy.eye(9), cell=1.0), []
+def report(done):
+    reports.append(done)
+    if len(reports) == 1: signal.pthread_kill(threading.main_thread().ident, signal.SIGINT)
+    time.sleep(.01)
+try:
+    grid.viewshed(numpy.full((500, 2), 4.0), progress=report)
+except KeyboardInterrupt:
+    print("interrupted", grid.viewshed([[4.0, 4.0]]).counts.shape, len(reports) < 400)
+"""
+    assert run(code).stdout == "interrupted (9, 9) True\n"
+
+
 def test_signals_are_left_alone():
     # In a process of its own, whatever this one inherited: a shell's background job ignores interrupts.
     code = """

@@ -107,6 +107,22 @@ class Device:
             return self._alone(function, arguments)
         return future.result()
 
+    def call_reporting(
+        self, function: Callable[..., Result], progress: Callable[[float], object] | None, *arguments: Any
+    ) -> Result:
+        """The same of a function whose last argument it calls with the part that is done, and that ends where this
+        returns False. An exception here, Ctrl-C's too, ends it at its next report."""
+        is_over = threading.Event()
+
+        def report(done: float) -> bool:
+            return not is_over.is_set() and (progress is None or progress(done) is not False)
+
+        try:
+            return self.call(function, *arguments, report)
+        except BaseException:
+            is_over.set()
+            raise
+
     def _alone(self, function: Callable[..., Result], arguments: tuple[Any, ...]) -> Result:
         with self._is_working:
             return function(*arguments)

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import copy
 import os
-import threading
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import IO, TYPE_CHECKING, Any, Literal, NamedTuple
@@ -616,12 +615,8 @@ class Scene:
             facing = self._facing_of(side, ids) if normals is None else _facing_by(normals)
         query = _Query(self._local(flat, along), ids, facing)
         upload = self._on(self._device)
-        is_over = threading.Event()
 
-        def report(done: float) -> bool:
-            return not is_over.is_set() and (progress is None or progress(done) is not False)
-
-        def run_part(first: int) -> tuple[Any, ...]:
+        def run_part(first: int, report: Callable[[float], bool]) -> tuple[Any, ...]:
             technique = upload.technique(Technique(EXACT, settings or {}))
             part, part_ids, part_facing = query.part(first)
             points = _gnomon.Points.upload(upload.device.native, part, part_ids)
@@ -629,11 +624,8 @@ class Scene:
                 technique, upload.triangles, points, table, part_facing, cosines, bits, report
             )
 
-        try:
-            parts = [upload.device.call(run_part, first) for first in range(0, max(len(flat), 1), POINTS_AT_ONCE)]
-        except BaseException:
-            is_over.set()  # Ctrl-C: the device's thread stops at its next report
-            raise
+        firsts = range(0, max(len(flat), 1), POINTS_AT_ONCE)
+        parts = [upload.device.call_reporting(run_part, progress, first) for first in firsts]
         return _lights.result_of(parts, positions.shape[:-1], bits, len(table))
 
     def visible_from(

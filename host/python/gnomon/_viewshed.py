@@ -357,7 +357,7 @@ class ViewshedGrid:
                 seen = self._device.call(native.look, eyes, rows, spans, True).reshape(shape)
                 counts = seen.astype(np.uint32)  # 1: seen, 0: not
                 return counts, counts[None].copy() if bits else np.empty((0, *shape), np.uint32)
-            counts, words = self._device.call(native.look_from, eyes, rows, spans, bits, progress)
+            counts, words = self._device.call_reporting(native.look_from, progress, eyes, rows, spans, bits)
             return counts.reshape(shape), words.reshape(-1, *shape)
 
         counts, words = look(self._native)
