@@ -32,6 +32,7 @@ OwnPoints read_points(const std::filesystem::path& file, const scene::Extent& ex
     const std::vector<std::string> positions{"x", "y", "z"}, all{"x", "y", "z", "nx", "ny", "nz"};
     const scene::NumberTable rows(table_file_text(file), file.string(), {{positions, all}, scene::point_headings()});
     rows.require(positions, "points need the columns x, y, z, and nx, ny, nz for the side that they face");
+    rows.require_data(positions);
     const bool has_normals = rows.has("nx") && rows.has("ny") && rows.has("nz");
     OwnPoints points;
     for (std::size_t row = 0; row < rows.rows(); ++row) {
@@ -146,6 +147,9 @@ std::string summary(const HoursOptions& options, const scene::Scene& scene, cons
     if (table.below_horizon != 0) text += "; " + grouped(table.below_horizon) + " below the horizon left out";
     if (table.left_out != 0 && options.weather)
         text += fmt::format(" ({:.3g} {})", table.left_out / table.weights_per_unit(), options.unit);
+    const auto negative = std::ranges::count_if(table.suns, [](const Sun& sun) { return sun.weight < 0; });
+    if (negative != 0)
+        text += fmt::format("; {} of a weight below 0, which lower sums", grouped(std::uint64_t(negative)));
     if (!options.directions)
         text += std::string("; positions by ERFA, elevations ") + (options.place && options.place->is_apparent
                                                                        ? "with refraction (Saemundsson, 1010 hPa, 10 C)"
@@ -158,6 +162,8 @@ std::string summary(const HoursOptions& options, const scene::Scene& scene, cons
         text += fmt::format("; direct {:.6g}, diffuse {:.6g}", mean_of(reached.direct).first,
                             mean_of(reached.diffuse).first);
     text += fmt::format("; {:.0f} ms\n", reached.sums.statistics.total_wall_ms);
+    if (count != 0 && !table.suns.empty() && std::ranges::none_of(reached.sums.values, [](double v) { return v != 0; }))
+        text += "hint: no sun reaches any point: a closed room or sky keeps them out, and y points up in the scene\n";
     if (count != 0) return text;
     bool has_any = false;
     for (std::size_t i = 0; i < scene.triangle_count() && !has_any; ++i) has_any = scene.is_finite(i);

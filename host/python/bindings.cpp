@@ -768,7 +768,12 @@ void bind_tables(nb::module_& m) {
              [](const NumberTable& table, std::string_view name) { return row_of(table.float_numbers(name)); })
         .def("refuse", &NumberTable::refuse)
         .def("require", &NumberTable::require)
+        .def("require_data", &NumberTable::require_data)
         .def("require_degrees", &NumberTable::require_degrees);
+    m.def(
+        "first_no_data", [](const Doubles& rows) { return gnomon::scene::first_no_data(span_of(rows), rows.shape(1)); },
+        "rows"_a,
+        "The first of the rows (N, C) that stands for no data, or None. Source: gnomon::scene::first_no_data().");
 }
 
 // Each C++ exception becomes the Python exception that its reader expects; the texts are the same.

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <initializer_list>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include <gnomon.hpp>
@@ -130,6 +131,66 @@ std::string_view next_line(std::string_view text, std::size_t& at) {
     return line;
 }
 
+enum class Quotes { closed, open, torn };
+
+/// Of the cells that begin with a quote: open if the last one goes on behind the line's end; torn if text stands behind
+/// the second quote of one.
+Quotes quotes_of(std::string_view line) {
+    bool is_quoted = false, is_start = true, is_end = false, is_torn = false;
+    for (const char c : line) {
+        if (c == '"' && (is_quoted || is_start || is_end)) {  // behind an end: one of the two that mean a quote
+            is_end = is_quoted;
+            is_quoted = !is_quoted;
+            is_start = false;
+        } else if (!is_quoted) {
+            const bool is_separator = c == ';' || c == ',' || c == '\t', is_blank = c == ' ';
+            is_torn |= is_end && !is_separator && !is_blank;
+            is_start = is_separator || (is_start && is_blank);
+            is_end = is_end && is_blank;
+        }
+    }
+    return is_quoted ? Quotes::open : is_torn ? Quotes::torn : Quotes::closed;
+}
+
+/// The line from `at` on with those that its last cell goes on in, with blanks for their breaks; counts them.
+std::string next_row(std::string_view text, std::size_t& at, std::size_t& number, const std::string& file) {
+    std::string row(next_line(text, at));
+    const std::size_t first = ++number;
+    if (trimmed(row).starts_with('#')) return row;
+    constexpr std::size_t most_lines = 100;
+    for (; quotes_of(row) == Quotes::open && at < text.size() && number - first < most_lines; ++number)
+        row.append(" ").append(next_line(text, at));
+    const Quotes quotes = quotes_of(row);
+    if (quotes == Quotes::open || (quotes == Quotes::torn && number > first))
+        throw InvalidArgument(joined({file, ", line ", std::to_string(first),
+                                      " has a cell whose quotes do not end: close them, or leave them out"}));
+    return row;
+}
+
+/// What files are that people take for tables, by their first bytes; and how each becomes one.
+constexpr std::array<std::array<std::string_view, 3>, 11> no_tables{{
+    {"\xff\xfe", "UTF-16 text", "save it as UTF-8 (\"CSV UTF-8\" in spreadsheets)"},
+    {"\xfe\xff", "UTF-16 text", "save it as UTF-8 (\"CSV UTF-8\" in spreadsheets)"},
+    {"PK\x03\x04", "a spreadsheet or a zip archive", "save it as CSV, or unpack it (unzip)"},
+    {"\xd0\xcf\x11\xe0", "a spreadsheet", "save it as CSV"},
+    {"PAR1", "a table of Parquet", "pandas.read_parquet(name).to_csv('table.csv', index=False) writes it as CSV"},
+    {"ARROW1", "a table of Arrow", "pandas.read_feather(name).to_csv('table.csv', index=False) writes it as CSV"},
+    {"BZh", "packed by bzip2", "unpack it (bunzip2), or pack it with gzip"},
+    {"\xfd"
+     "7zXZ",
+     "packed by xz", "unpack it (unxz), or pack it with gzip"},
+    {"\x28\xb5\x2f\xfd", "packed by zstd", "unpack it (unzstd), or pack it with gzip"},
+    {"\x93NUMPY", "an array of NumPy", "numpy.savetxt('table.csv', numpy.load(name), delimiter=',') writes it as CSV"},
+    {"SQLite format 3", "a database", "write its table as CSV (sqlite3 -header -csv NAME 'select * from ...')"},
+}};
+
+void require_text(std::string_view text, const std::string& file) {
+    for (const auto& [begins, what, remedy] : no_tables)
+        if (text.starts_with(begins)) throw InvalidArgument(joined({file, ": is ", what, ": ", remedy}));
+    if (text.find('\0') != std::string_view::npos)
+        throw InvalidArgument(file + ": is no text: write it as CSV, a line of numbers for each row");
+}
+
 struct Heading {
     std::string name, unit;
 };
@@ -153,6 +214,17 @@ bool is_degrees(std::string_view unit) {
     return std::ranges::find(degrees, unit) != degrees.end();
 }
 
+/// Of weights, for which no place is another reading, also numbers of two or three nines.
+bool stands_for_no_data(double number, bool is_weight) {
+    constexpr std::array everywhere{-9999.0, -99999.0, -999999.0, -32768.0, -32767.0, -2147483648.0, -1e20, 1e20};
+    constexpr std::array weights{-99.0, -99.9, -99.99, -999.0, -999.9, -999.99, -9999.9, -9999.99};
+    if (number > (is_weight ? -98.0 : -9998.0) && number < 1e19) return false;  // most are
+    const auto is_among = [number](const auto& numbers) {
+        return std::ranges::any_of(numbers, [number](double n) { return float(n) == float(number); });
+    };
+    return std::fabs(number) >= 1e30 || is_among(everywhere) || (is_weight && is_among(weights));
+}
+
 constexpr double largest_azimuth = 6.3, largest_elevation = 1.6;  // radians, rounded up as tables may round them
 
 bool is_metres(std::string_view unit) {
@@ -167,26 +239,38 @@ std::map<std::string, std::string> point_headings() {
             {"height", "z"},  {"elevation", "z"}, {"altitude", "z"}};
 }
 
+std::optional<std::size_t> first_no_data(std::span<const double> values, std::size_t columns) {
+    const auto row_is = [&](std::size_t row, double number) {
+        const auto cells = values.subspan(row * columns, columns);
+        return std::size_t(std::ranges::count(cells, number)) >= std::min<std::size_t>(columns, 2);
+    };
+    for (std::size_t row = 0; row < values.size() / columns; ++row)
+        for (const double number : values.subspan(row * columns, columns)) {
+            if (!stands_for_no_data(number, columns == 1) || !row_is(row, number)) continue;
+            bool is_alone = true;
+            for (std::size_t other = 0; other < values.size() && is_alone; ++other)
+                is_alone = row_is(other / columns, number) || !(values[other] / number >= 0.5);
+            if (is_alone) return row;
+        }
+    return std::nullopt;
+}
+
 NumberTable::NumberTable(std::string_view text, std::string file, const TableColumns& columns)
     : file_(std::move(file)) {
-    if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
-        throw InvalidArgument(file_ + ": is UTF-16 text: save it as UTF-8 (\"CSV UTF-8\" in spreadsheets)");
-    if (text.starts_with("PK\x03\x04"))
-        throw InvalidArgument(file_ + ": is a spreadsheet or a zip archive: save it as CSV");
-    if (text.find('\0') != std::string_view::npos) throw InvalidArgument(file_ + ": is no text");
+    require_text(text, file_);
     if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
     std::optional<char> separator;
     std::size_t number = 0;
     for (std::size_t at = 0; at < text.size();) {
-        ++number;
-        const std::string line = replaced(next_line(text, at), no_break_space, " ");
+        const std::size_t first = number + 1;
+        const std::string line = replaced(next_row(text, at, number, file_), no_break_space, " ");
         if (trimmed(line).starts_with('#') || line.find_first_not_of(",;\t \"") == std::string::npos) continue;
-        if (number == 1 && (separator = declared_separator(line))) continue;
+        if (first == 1 && (separator = declared_separator(line))) continue;
         if (!separator) separator = separator_of(line);
         const bool is_one_column =
             std::ranges::any_of(columns.unnamed, [](const auto& names) { return names.size() == 1; });
         if (separator == ' ' && is_one_column) separator = '\n';  // its heading may be words
-        take_line(number, cells_of(line, *separator), columns);
+        take_line(first, cells_of(line, *separator), columns);
     }
 }
 
@@ -293,6 +377,18 @@ std::vector<float> NumberTable::float_numbers(std::string_view name) const {
     std::vector<float> values(rows());
     for (std::size_t row = 0; row < rows(); ++row) values[row] = float_number(row, name);
     return values;
+}
+
+void NumberTable::require_data(const std::vector<std::string>& columns) const {
+    std::vector<double> values;
+    for (std::size_t row = 0; row < rows(); ++row)
+        for (const std::string& name : columns) values.push_back(number(row, name));
+    const auto row = first_no_data(values, columns.size());
+    if (!row) return;
+    std::string cells;
+    for (const std::string& name : columns)
+        cells += joined({cells.empty() ? "" : ", ", name, " = \"", text(*row, name), "\""});
+    refuse(*row, cells + ", which stands for no data: " + (columns.size() == 1 ? "write 0" : "leave the row out"));
 }
 
 void NumberTable::refuse(std::size_t row, const std::string& reason) const {

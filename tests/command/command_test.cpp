@@ -768,6 +768,10 @@ TEST_F(Command, PointsOfEarthSizeAreNamed) {
 TEST_F(Command, HoursRefusesWhatHasNoMeaning) {
     std::ofstream(in_folder("suns.csv")) << "0,-1,0\n";
     std::ofstream(in_folder("points.csv")) << "x,y\n0,0\n";
+    std::ofstream(in_folder("absent.csv")) << "x,y,z\n0,0,0\n-9999,-9999,5\n";
+    std::ofstream(in_folder("weights.csv")) << "0,-1,0,5\n0,-1,1,-999\n";
+    std::ofstream(in_folder("suns.bz2")) << "BZh91AY";
+    std::ofstream(in_folder("cut.csv.gz")) << "\x1f\x8b\x08";
     const struct {
         Arguments arguments;
         int exit_code;
@@ -798,7 +802,16 @@ TEST_F(Command, HoursRefusesWhatHasNoMeaning) {
         {{"-o", "a.csv", "--directions", "suns.csv"}, 2, "ends with .png"},
         {{"-o", "a.png", "--directions", "suns.csv", "--points", "points.csv"}, 2, "ends with .csv or .npy"},
         {{"-o", "a.csv", "--directions", "suns.csv", "--points", "points.csv"}, 1, "points need the columns x, y, z"},
-        {{"-o", "a.png", "--directions", "missing.csv"}, 1, "cannot read missing.csv"},
+        {{"-o", "a.png", "--directions", "missing.csv"}, 1, "cannot read missing.csv: it does not exist"},
+        {{"-o", "a.png", "--directions", "."}, 1, "cannot read .: it is a folder"},
+        {{"-o", "a.png", "--directions", "cut.csv.gz"}, 1, "packed with gzip, and cut off or damaged: pack it again"},
+        {{"-o", "a.png", "--directions", "suns.bz2"}, 1, "suns.bz2: is packed by bzip2: unpack it (bunzip2)"},
+        {{"-o", "a.png", "--directions", "weights.csv"},
+         1,
+         "weights.csv, line 2 has weight = \"-999\", which stands for no data: write 0"},
+        {{"-o", "a.csv", "--directions", "suns.csv", "--points", "absent.csv"},
+         1,
+         "absent.csv, line 3 has x = \"-9999\", y = \"-9999\", z = \"5\", which stands for no data: leave the row out"},
         {{"--aov", "a.exr", "--directions", "suns.csv", "--write-directions", "suns.csv"},
          1,
          "a file that this run reads"},
@@ -974,7 +987,7 @@ TEST_F(Command, HintsSayWhatToTry) {
 
 TEST_F(Command, AnEmptyPictureOfHoursSaysWhatToTry) {
     write_scene(folder_, "square", floor_and_square());
-    std::ofstream(folder_ / "suns.csv") << "x,y,z\n0,-1,0\n";
+    std::ofstream(folder_ / "suns.csv") << "x,y,z,weight\n0,-1,0,1\n0,-1,1,-2\n";
     const auto said = [&](const Arguments& more) {
         Arguments all{"hours", "square.gltf", "--size", "8x8", "-o", "a.png", "--directions", "suns.csv"};
         all.insert(all.end(), more.begin(), more.end());
@@ -982,7 +995,11 @@ TEST_F(Command, AnEmptyPictureOfHoursSaysWhatToTry) {
         EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
         return outcome.out;
     };
-    EXPECT_EQ(said({}).find("hint"), std::string::npos);
+    const std::string usual = said({});
+    EXPECT_EQ(usual.find("hint"), std::string::npos);
+    EXPECT_NE(usual.find("2 suns, -1 hours; 1 of a weight below 0, which lower sums"), std::string::npos) << usual;
+    const std::string dark = said({"--eye", "0,-9,0", "--target", "0,0,0.1"});  // backs
+    EXPECT_NE(dark.find("hint: no sun reaches any point"), std::string::npos) << dark;
     const std::string upwards = said({"--eye", "0,9,0", "--target", "0,99,1"});
     EXPECT_NE(upwards.find("hint: the camera sees no triangle: --eye X,Y,Z"), std::string::npos) << upwards;
     write_scene(folder_, "square", std::vector<float>(9, std::numeric_limits<float>::quiet_NaN()));
@@ -1419,7 +1436,9 @@ TEST_F(Command, ExplainsAPointOfDumpedTriangles) {
 
     std::ofstream(in_folder("cut.triangles")) << "12345";
     expect_failure({"explain", "--triangles", "cut.triangles", "--point", "0,0,0"}, 1, "holds 5 bytes");
-    expect_failure({"explain", "--triangles", "none.triangles", "--point", "0,0,0"}, 1, "cannot read none.triangles");
+    expect_failure({"explain", "--triangles", "none.triangles", "--point", "0,0,0"}, 1,
+                   "cannot read none.triangles: it does not exist");
+    expect_failure({"explain", "--triangles", ".", "--point", "0,0,0"}, 1, "cannot read .: it is a folder");
     expect_failure({"explain", "none.glb", "--pixel", "0,0"}, 1, "none.glb");
     expect_failure({"explain", "square.gltf", "--point", "0,0,0", "--receiver", "4"}, 1,
                    "--receiver 4 is no triangle: the scene has 4");

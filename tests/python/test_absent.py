@@ -141,6 +141,18 @@ def test_numbers_that_mean_no_data(scene, number, nan):
                 gnomon.Scene(*arguments)
 
 
+@pytest.mark.parametrize("number", [-9999, -99999, -32768, 1e20, -1e20])
+def test_a_place_of_two_coordinates_that_mean_no_data(scene, number):
+    rows = np.array([[0, 0, 0], [number, number, 5], [5, 0, 0]], float)
+    for nan in ("error", "absent"):
+        with pytest.raises(ValueError, match="points: row 1 .* stands for no data in files: make it NaN"):
+            scene.lit(rows, direction=DOWN, nan=nan)
+    with pytest.raises(ValueError, match="points: row 1 .* stands for no data"):
+        scene.lit_by(rows, gnomon.Lights.directions([DOWN]))
+    rows[2, :2] = 0.6 * number  # a place far out among others
+    assert scene.lit(rows, direction=DOWN).tolist() == [False, True, True]
+
+
 @pytest.mark.parametrize("type", ["int32", "int64", "uint32", "uint64"])
 def test_integers_that_nan_becomes(scene, type):
     limits = np.iinfo(type)

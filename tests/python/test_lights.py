@@ -112,6 +112,8 @@ def test_bad_rows_are_named():
         (gnomon.Lights.positions(DOWN), {}, r"positions: shape \(3,\)"),
         (directions([DOWN], [1, 2]), {}, r"weights: shape \(2,\) is not \(1,\)"),
         (directions([DOWN], [np.inf]), {}, "weights: row 0 inf"),
+        (directions([DOWN] * 3, [5, -9999, -1]), {}, "weights: row 1 -9999 stands for no data in files: make it 0"),
+        (directions([DOWN], [1e36]), {}, "weights: row 0 1e.36 stands for no data"),
         (ONE, {"cosines": True}, "cosines: needs side=Side.normals"),
         (ONE, {"side": gnomon.Side.front()}, "side: Side.front.. needs receivers="),
         (ONE, {"side": gnomon.Side.vertices()}, "side: Side.vertices.. is for lit"),

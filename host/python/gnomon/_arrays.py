@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from . import _gnomon
+
 NO_RECEIVER = 0xFFFFFFFF
 
 
@@ -131,12 +133,33 @@ def require_no_fill_values(array: NDArray[Any], name: str) -> None:
     if values is None:
         return
     is_fill = np.isin(array, values) & np.isfinite(array)
-    row = first_row(is_fill.reshape(len(array), -1).any(axis=1))
+    _refuse_no_data(array, name, first_row(is_fill.reshape(len(array), -1).any(axis=1)))
+
+
+def _refuse_no_data(array: NDArray[Any], name: str, row: int | None) -> None:
     if row is not None:
         raise ValueError(
             f"{name}: row {row} {array[row].tolist()} has a value that stands for no data in files: make it NaN "
             "(points, with nan='absent'), or leave the row out"
         )
+
+
+def first_no_data(rows: NDArray[Any]) -> int | None:
+    """Of rows (N, C) of real numbers, C = 1 of weights: the first with a number that stands for no data (-9999, say) in
+    its one column, or in two of its columns, far beyond all others."""
+    low, high = (float(f.reduce(rows, axis=None, initial=0)) for f in (np.fmin, np.fmax))
+    if low > (-99 if rows.shape[1] == 1 else -9999) and high < 1e20:
+        return None
+    return _gnomon.first_no_data(np.ascontiguousarray(rows, np.float64))
+
+
+def require_points(points: NDArray[Any], nan: str = "error") -> None:
+    """Rows (N, 3) of real numbers. nan: what NaN is, "error" or "absent"."""
+    if nan == "error":
+        require_finite(points, "points")
+    else:
+        require_no_fill_values(points, "points")
+    _refuse_no_data(points, "points", first_no_data(points))
 
 
 #: Heights that stand for no data wherever they occur; and those that do if all others are less than half as low, or if
@@ -180,6 +203,12 @@ def _lowest_alone(heights: NDArray[Any], is_there: NDArray[np.bool_], low: Any) 
     return low if not others.size or others.min() > low / 2 else None
 
 
+def is_of_heights(standard_name: str) -> bool:
+    """Whether a name of the CF conventions is one of heights; none says nothing."""
+    words = ("altitude", "height", "elevation", "topography", "orography")
+    return not standard_name or any(word in standard_name for word in words)
+
+
 def require_heights(
     heights: NDArray[Any], is_there: NDArray[np.bool_], how_to_say: str, says_no_data: bool = False
 ) -> None:
@@ -187,9 +216,10 @@ def require_heights(
     found = first_no_height(heights, is_there, says_no_data)
     if found is not None:
         value = heights[found].item()
+        other = f"; if the ground lies there, say {how_to_say.format('-32768')}" if value > -9999 else ""
         raise ValueError(
             f"heights: row {found[0]}, column {found[1]} is {value:.9g}, which is no height but stands for no data in "
-            f"files: say {how_to_say.format(repr(value))}, or make such cells NaN"
+            f"files: say {how_to_say.format(repr(value))}, or make such cells NaN{other}"
         )
 
 

@@ -19,7 +19,8 @@ NO_LIGHT = 0xFFFFFFFF
 class Lights:
     """A table of M lights, each with a weight. Make it by directions() or positions().
 
-    weights: (M,) float32, negative ones too; 1 each if not given. A weight is rounded once to a whole number times a
+    weights: (M,) float32, negative ones too, but not -9999 and its like, alone below the others, which stand for no
+        data in files; 1 each if not given. A weight is rounded once to a whole number times a
         power of two that depends on the largest weight and M alone, so that sums do not depend on any order.
     """
 
@@ -98,6 +99,11 @@ def weights_of(weights: Any, count: int) -> NDArray[np.float32]:
     row = _arrays.first_row(~np.isfinite(rounded))
     if row is not None:
         raise ValueError(f"weights: row {row} {values[row]} is not a finite float32")
+    row = _arrays.first_no_data(rounded[:, None])
+    if row is not None:
+        raise ValueError(
+            f"weights: row {row} {values[row]} stands for no data in files: make it 0, or leave the light out"
+        )
     return rounded
 
 

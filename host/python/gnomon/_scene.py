@@ -530,10 +530,7 @@ class Scene:
             raise ValueError(f"nan: {nan!r} is neither 'error' nor 'absent'")
         positions = _arrays.rows_of_triples(points, "points")
         flat = positions.reshape(-1, 3)
-        if nan == "error":
-            _arrays.require_finite(flat, "points")
-        else:
-            _arrays.require_no_fill_values(flat, "points")
+        _arrays.require_points(flat, nan)
         if not lift and not isinstance(side, VertexSide) and (twin := self._needed_twin(flat, position)):
             visibility: Any = twin.visibility
             on_lattice: NDArray[np.float32] = visibility(
@@ -593,7 +590,7 @@ class Scene:
         side = _side_of(side, "is for lit() and visibility()")
         positions = _arrays.rows_of_triples(points, "points")
         flat = positions.reshape(-1, 3)
-        _arrays.require_finite(flat, "points")
+        _arrays.require_points(flat)
         if not lift and side.kind in ("none", "normals") and (twin := self._needed_twin(flat, None)):
             return twin.lit_by(
                 positions, lights, receivers=receivers, side=side, bits=bits, cosines=cosines, progress=progress,

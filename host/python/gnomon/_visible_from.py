@@ -59,7 +59,7 @@ def visible_from(
         points = scene.triangles if scene.lattice is None else scene.lattice.world
         side = Side.vertices() if side is None and target_height == 0 else side
     positions = _arrays.rows_of_triples(points, "points")
-    _arrays.require_finite(positions.reshape(-1, 3), "points")
+    _arrays.require_points(positions.reshape(-1, 3))
     if target_height != 0 and side is not None:
         raise ValueError("side: is for points on surfaces, with target_height=0")
     eyes = places + height * upwards if height else places

@@ -13,7 +13,7 @@ import pytest
 import trimesh
 from gnomon.studies.settings import settings_of
 from gnomon.studies.suns import suns_of
-from gnomon.studies.tables import read_points, read_suns, read_weights
+from gnomon.studies.tables import read_observers, read_points, read_suns, read_weights
 from made import UTM, bits, run, write_raster
 from meshes import box
 
@@ -133,7 +133,7 @@ def test_tables_of_all_kinds(tmp_path):
         ("x,y,z\n", ": has no suns"),
         ("azimuth [gon],elevation [gon]\n100,50\n", ': the column "azimuth [gon]" must be in degrees'),
         ("azimuth,elevation (rad)\n1,1\n", ': the column "elevation (rad)" must be in degrees'),
-        ("PK\x03\x04...", ": is a spreadsheet or a zip archive: save it as CSV"),
+        ("PK\x03\x04...", ": is a spreadsheet or a zip archive: save it as CSV, or unpack it (unzip)"),
     ],
 )
 def test_bad_tables_are_one_sentence(tmp_path, text, sentence):
@@ -196,6 +196,45 @@ def test_weights_and_points_are_tables_too(tmp_path):
     np.save(tmp_path / "table.npy", [[1, 2, np.inf]])
     with pytest.raises(ValueError, match='table.npy, row 0 has z = "inf", which is no finite number'):
         read_points(str(tmp_path / "table.npy"))
+
+
+@pytest.mark.parametrize("number", [-9999, -999, -99.9, -32768, -99999, 1e20, -1e20, 9.96921e36, 3.4028235e38])
+def test_numbers_that_stand_for_no_data(tmp_path, number):
+    """Weights, points and observers, as text and as arrays."""
+    file = tmp_path / "table.csv"
+    for name, read, table, first, remedy in (
+        ("weights", lambda f: read_weights(f, 3), "weight\n2\n-1\n{0}\n", 'weight = "', "write 0"),
+        ("suns", read_suns, "x,y,z,weight\n0,0,-1,2\n0,0,-1,1\n0,1,-1,{0}\n", 'weight = "', "write 0"),
+        ("points", read_points, "x,y,z\n0,0,2\n5e5,5e6,9\n{0},{0},5\n", 'x = "', "leave the row out"),
+        ("observers", read_observers, "x,y\n0,0\n5e5,5e6\n{0},{0}\n", 'x = "', "leave the row out"),
+    ):
+        if name in ("points", "observers") and -9998 < number < 0:
+            continue  # a place
+        file.write_text(table.format(number))
+        with pytest.raises(ValueError, match=f"table.csv, line 4 has {first}.*, which stands for no data: {remedy}$"):
+            read(str(file))
+        rows = np.genfromtxt(file, delimiter=",", names=True)
+        np.save(tmp_path / "table.npy", rows)
+        with pytest.raises(ValueError, match=f"table.npy, row 2 has {first}.*, which stands for no data: {remedy}$"):
+            read(str(tmp_path / "table.npy"))
+        file.write_text(table.format(0))
+        read(str(file))
+
+
+def test_numbers_among_their_like_are_data(tmp_path):
+    file = tmp_path / "table.csv"
+    file.write_text("weight\n-9999\n-6000\n2\n")
+    assert read_weights(str(file), 3).tolist() == [-9999, -6000, 2]
+    file.write_text("x,y,z\n-9999,-9999,5\n-9998,-9999,5\n")
+    assert len(read_points(str(file))) == 2
+
+
+def test_weights_below_0_are_told(tmp_path):
+    raster = write_raster(tmp_path / "dsm.tif", np.zeros((4, 4)))
+    (tmp_path / "suns.csv").write_text("x,y,z,weight\n0,0,-1,3\n0,0.1,-1,-2\n")
+    with pytest.warns(UserWarning, match="weights: 1 of 2 are below 0, and lower sums"):
+        study = run(tmp_path / "s", raster=raster, directions=str(tmp_path / "suns.csv"), outputs=["weights"])
+    assert (study.dataset().sum_of_weights.values == 1).all()
 
 
 # tests/command/suns_test.cpp reads the same tables.

@@ -161,6 +161,8 @@ def _make_plan(folder: Path, settings: Settings, run_survey: SurveyRun) -> Plan:
     receivers = receivers_of(settings, casters, folder)
     crs = mosaic.crs if mosaic is not None else None
     suns = suns_of(settings, crs, receivers.box)
+    if negative := int((suns.weights < 0).sum()):
+        warnings.warn(f"weights: {negative} of {suns.weights.size} are below 0, and lower sums", stacklevel=2)
     suns.save(folder / "suns.npz")
     write_whole(folder / "survey.json", json.dumps({"settings": json.loads(settings.as_json())}))
     survey = _run_survey(folder, casters, run_survey, None, list(range(len(casters))))

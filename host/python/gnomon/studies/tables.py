@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _gnomon
-from .._arrays import first_no_height, first_row
+from .._arrays import first_no_data, first_no_height, first_row
 
 SUN_COLUMNS = ("x", "y", "z"), ("x", "y", "z", "weight")
 OBSERVER_COLUMNS = ("x", "y"), ("x", "y", "height")
@@ -21,17 +21,18 @@ POINT_COLUMNS = ("x", "y", "z"), ("x", "y", "z", "nx", "ny", "nz")
 
 
 def _text_of(file: str) -> bytes:
-    """The text of a file, unpacked if it is gzip's. What is not UTF-8 is taken for Latin-1 (but for UTF-16, which the
-    reader names): its numbers are the same, and messages can have its headings."""
+    """The text of a file, unpacked if it is gzip's. What is not UTF-8 is taken for Latin-1: its numbers are the same,
+    and messages can have its headings. What is no text stays as it is, and the reader names it."""
     try:
         data = Path(file).read_bytes()
         data = gzip.decompress(data) if data.startswith(b"\x1f\x8b") else data
     except (OSError, EOFError, zlib.error) as error:
-        raise ValueError(f"{file}: {error}") from None
+        raise ValueError(f"{file}: cannot be read: {getattr(error, 'strerror', None) or error}") from None
     try:
         data.decode()
     except UnicodeDecodeError:
-        return data if data.startswith((b"\xff\xfe", b"\xfe\xff")) else data.decode("latin-1").encode()
+        is_text = b"\0" not in data and not data.startswith(b"\x28\xb5\x2f\xfd")  # zstd's
+        return data.decode("latin-1").encode() if is_text else data
     return data
 
 
@@ -88,6 +89,13 @@ class _NpyTable:
     def require_degrees(self, azimuths: list[float], elevations: list[float]) -> None:
         self._headings.require_degrees(azimuths, elevations)  # a table without headings has no angles
 
+    def require_data(self, columns: list[str]) -> None:
+        values = np.stack([self.numbers(name) for name in columns], axis=1)
+        if (row := first_no_data(values)) is not None:
+            cells = ", ".join(f'{name} = "{self.text(row, name)}"' for name in columns)
+            remedy = "write 0" if len(columns) == 1 else "leave the row out"
+            self.refuse(row, f"{cells}, which stands for no data: {remedy}")
+
     def refuse(self, row: int, reason: str) -> NoReturn:
         raise ValueError(f"{self.file}, row {row} has {reason}")
 
@@ -136,6 +144,7 @@ def read_suns(file: str) -> SunTable:
     weights = np.ones(len(table))
     if _has(table, "weight"):
         weights = table.float_numbers("weight").astype(np.float64)
+        table.require_data(["weight"])
     is_up = np.ones(len(table), bool)
     azimuth = elevation = None
     if has_angles:
@@ -183,7 +192,9 @@ def read_weights(file: str, count: int) -> NDArray[np.float64]:
         table.require(["weight"], "must have one column, or a column weight")
     if len(table) != count:
         raise ValueError(f"{file}: has {len(table)} weights, and must have {count}, one per sun of start..end")
-    values: NDArray[np.float64] = table.numbers("weight" if _has(table, "weight") else table.names[0])
+    name = "weight" if _has(table, "weight") else table.names[0]
+    table.require_data([name])
+    values: NDArray[np.float64] = table.numbers(name)
     return values
 
 
@@ -192,6 +203,7 @@ def read_points(file: str) -> NDArray[np.float64]:
     table = _table(file, POINT_COLUMNS, are_points=True)
     positions, with_normals = POINT_COLUMNS
     table.require(list(positions), "points need the columns x, y, z, and nx, ny, nz for the side that they face")
+    table.require_data(list(positions))
     names = with_normals if _has(table, *with_normals) else positions
     points = np.stack([table.numbers(name) for name in names], axis=1)
     found = first_no_height(points[:, 2:3], np.ones((len(points), 1), bool))
@@ -208,5 +220,6 @@ def read_observers(file: str) -> tuple[NDArray[np.float64], NDArray[np.float64] 
     """(M, 2) places of observers, and (M,) heights of their eyes if the table has them. Raises ValueError."""
     table = _table(file, OBSERVER_COLUMNS)
     table.require(["x", "y"], "observers need the columns x, y, and perhaps height")
+    table.require_data(["x", "y"])
     places = np.stack([table.numbers("x"), table.numbers("y")], axis=1)
     return places, table.numbers("height") if _has(table, "height") else None
