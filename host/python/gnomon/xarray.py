@@ -197,6 +197,12 @@ def _require_heights_in_metres(dem: xarray.DataArray) -> None:
             f"heights: attrs['units'] is {units!r}, which is not metres: multiply them by the metres of that unit, and "
             "say so, as in (dem * 0.3048).assign_attrs(units='m')"
         )
+    what = str(dem.attrs.get("standard_name", ""))
+    if not _arrays.is_of_heights(what):
+        raise ValueError(
+            f"heights: attrs['standard_name'] is {what!r}, which is none of heights: if they are, del "
+            "dem.attrs['standard_name']"
+        )
     packing = [key for key, none in (("scale_factor", 1), ("add_offset", 0)) if dem.attrs.get(key, none) != none]
     if packing:
         raise ValueError(
@@ -208,11 +214,14 @@ def _require_heights_in_metres(dem: xarray.DataArray) -> None:
 def _require_metres(dem: xarray.DataArray, x: NDArray[np.float64], y: NDArray[np.float64], crs: Any = None) -> None:
     known = crs if crs is not None else _crs_of(dem)
     if known is None:
+        is_tiny = all(len(a) > 1 and abs(a[1] - a[0]) < 0.01 and abs(a).max() < m for a, m in ((x, 361), (y, 91)))
         for name in dem.dims:
             units = str(dem.coords[name].attrs.get("units", ""))
-            if units.lower().startswith("degree") or (not units and str(name).lower() in _DEGREES):
+            is_likely = is_tiny or str(name).lower() in _DEGREES  # cells below a centimetre
+            if units.lower().startswith("degree") or (not units and is_likely):
+                certain = "are" if units else "look like"
                 raise ValueError(
-                    f"heights: the coordinates {str(name)!r} are degrees: put them on a map in metres first, as in "
+                    f"heights: the coordinates {str(name)!r} {certain} degrees: put them on a map in metres first, as in "
                     "dem.rio.write_crs('EPSG:4326').rio.reproject(dem.rio.estimate_utm_crs()); if they are metres, "
                     f"say so: dem.{name}.attrs['units'] = 'm'"
                 )

@@ -275,6 +275,7 @@ NO_MESHES = {
     "short.stl": ("x".ljust(80) + "\x05\0\0\0" + "\0" * 100, "is cut off: it says that it has 5 triangles, and has 2"),
     "wires.obj": (rows("v ") + "l 1 2 3\n", "1 points, lines.*has no triangles"),
     "model.foo": ("x", "'foo' not supported"),
+    "lines.dxf": ("0\nSECTION\n", r"of a drawing \(.dxf\) lines alone are read, and no faces: write its faces as .ply"),
 }
 
 
@@ -287,6 +288,16 @@ def test_files_without_triangles_say_why(tmp_path, name):
         np.savetxt(tmp_path / "points.csv", UNDER_L, delimiter=",", header="x,y,z", comments="")
         run(tmp_path / "study", meshes=str(tmp_path / name), receivers="points", points=str(tmp_path / "points.csv"),
             directions=str(tmp_path / "suns.csv"), outputs=["bits"])  # fmt: skip
+
+
+@pytest.mark.parametrize("error, said", [
+    (IndexError("tuple index out of range"), r"cannot be read: its parts do not fit together \(IndexError: tuple index "
+     r"out of range\); write it as .ply, .obj or .glb, and give that"),
+    (ModuleNotFoundError("No module named 'cascadio'"), "needs the Python package cascadio: pip install cascadio, or"),
+])  # fmt: skip
+def test_what_a_library_raises_is_one_sentence(error, said):
+    with pytest.raises(meshes.UnreadableError, match=f"^m.foo: {said}"), meshes.reading("m.foo"):
+        raise error
 
 
 def test_a_file_of_3mf(tmp_path):
@@ -421,7 +432,7 @@ AFFINE = rasterio.Affine(5, 0, 500_000, 0, -5, 4_000_000)
 
 
 def ridge(folder, unit="", crs="EPSG:26913", transform=AFFINE, height=100, name="dsm.tif", dtype="float32", scale=None,
-          tag="", count=1, columns=(0, 81), **more):  # fmt: skip
+          tag="", tags=None, count=1, columns=(0, 81), **more):  # fmt: skip
     heights = np.zeros((11, 81), dtype)
     heights[:, 20] = height
     heights = heights[:, slice(*columns)]
@@ -434,8 +445,8 @@ def ridge(folder, unit="", crs="EPSG:26913", transform=AFFINE, height=100, name=
                 file.write(heights, band + 1)
             if unit:
                 file.units = (unit,) * count
-            if tag:
-                file.update_tags(1, units=tag)
+            if tag or tags:
+                file.update_tags(1, **(tags or dict(units=tag)))
             if scale:
                 file.scales = (scale,) * count
     return str(folder / name)
@@ -457,6 +468,8 @@ UNITS = [
     (dict(crs="EPSG:26913+5703"), None, 1), (dict(crs="EPSG:26913+6360"), None, US_FOOT),
     (dict(crs="EPSG:26913+8228"), None, FOOT), (dict(), "feet", FOOT), (dict(unit="furlong"), "metre", 1),
     (dict(dtype="int16", height=1000, scale=0.1, unit="ft"), None, FOOT / 10),
+    (dict(tags=dict(standard_name="surface_altitude")), None, 1),
+    (dict(unit="mm", tags=dict(NETCDF_VARNAME="z"), height=100_000), "mm", 0.001),
     (dict(tag="feet"), None, FOOT), (dict(tag="degrees"), None, 1), (dict(tag="feet", unit="m"), None, 1),
 ]  # fmt: skip
 
@@ -539,6 +552,13 @@ REFUSED = {
     "a site's grid in feet": (dict(crs='LOCAL_CS["site",UNIT["foot",0.3048]]'), "not metres on a map but foot"),
     "the Earth's centre": (dict(crs="EPSG:4978"), "count from the Earth's centre .WGS 84., not on a map"),
     "an unknown unit": (dict(unit="furlong"), "dsm.tif: its heights are in \"furlong\".*give height_unit="),
+    "rain in metres": (dict(tags=dict(standard_name="lwe_thickness_of_precipitation_amount")),
+                       "its values are 'lwe_thickness_of_.*standard_name., and no heights; .*give height_unit='metre'"),
+    "rain of netCDF": (dict(unit="mm", tags=dict(NETCDF_VARNAME="tp")),
+                       "its values are in mm, as rain is, and no heights; if they are, give height_unit='mm'"),
+    "nearly flat degrees without a CRS": (
+        dict(crs=None, height=0.001, transform=rasterio.Affine(5e-5, 0, 11, 0, -5e-5, 48)),
+        "dsm.tif: has no CRS, and its coordinates look like degrees .cells of 5e-05, from 11, 48 on.: say so .rio"),
     "depths": (dict(crs="EPSG:26913+5715"), "points down, and a study needs heights"),
     "no place": (dict(crs=None, transform=None), "has no place on a map .no geotransform.*rio edit-info"),
     "south up": (dict(transform=rasterio.Affine(5, 0, 500_000, 0, 5, 4_000_000)), "not north up .*rio warp"),

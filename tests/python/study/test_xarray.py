@@ -103,17 +103,22 @@ def test_heights_that_are_not_metres_are_refused_and_the_remedy_helps(units, exp
             ask(dem_of().assign_attrs(units=units))
     in_feet = (dem_of() / 0.3048).assign_attrs(units=units)
     same((in_feet * 0.3048).round(9).assign_attrs(units="m").gnomon.viewshed(PLACE, height=60, outside=300.0), expected)
+    rain = dem_of().assign_attrs(units="m", standard_name="lwe_thickness_of_precipitation_amount")
+    with pytest.raises(ValueError, match="standard_name'\\] is 'lwe_.*, which is none of heights: if they"):
+        rain.gnomon.viewshed(PLACE)
+    del rain.attrs["standard_name"]
+    same(rain.gnomon.viewshed(PLACE, height=60, outside=300.0), expected)
     with pytest.raises(ValueError, match="are packed numbers .*scale_factor"):
         dem_of().assign_attrs(scale_factor=0.1).gnomon.viewshed(PLACE)
 
 
 @pytest.mark.parametrize("dims, units", [(("lat", "lon"), None), (("latitude", "Longitude"), None),
-                                         (("y", "x"), "degrees_east")])  # fmt: skip
+                                         (("y", "x"), "degrees_east"), (("y", "x"), None)])  # fmt: skip
 def test_degrees_without_a_crs_are_refused(dims, units):
     dem = xarray.DataArray(np.zeros((8, 8)), {dims[0]: np.arange(8) / 3600, dims[1]: np.arange(8) / 3600}, dims)
     if units:
         dem[dims[1]].attrs["units"] = units
-    with pytest.raises(ValueError, match="are degrees: put them on a map in metres first"):
+    with pytest.raises(ValueError, match="(are|look like) degrees: put them on a map in metres first"):
         dem.gnomon.viewshed([0.001, 0.001])
     for dim in dims:
         dem[dim].attrs["units"] = "m"

@@ -58,16 +58,16 @@ def reading(name: str) -> Iterator[None]:
     except UnreadableError:
         raise
     except ModuleNotFoundError as error:
-        package = error.name
+        package = error.name or str(error).split("'")[1]  # trimesh raises its own without the name
         remedy = f"pip install {package}, or write it as .ply, .obj or .glb, and give that"
         raise UnreadableError(f"{name}: needs the Python package {package}: {remedy}") from error
     except Exception as error:  # a loader may raise anything at a broken file
-        text = str(error)
+        # Such as "tuple index out of range", which says nothing of the file.
+        is_bare = isinstance(error, LookupError | TypeError | AttributeError | AssertionError)
+        text = f"its parts do not fit together ({type(error).__name__}: {error})" if is_bare else str(error)
         is_own = Path(name).suffix.lower() in SUFFIXES
         remedy = "export it again" if is_own else "write it as .ply, .obj or .glb, and give that"
-        raise UnreadableError(
-            text if text.startswith(name) else f"{name}: cannot be read: {error}; {remedy}"
-        ) from error
+        raise UnreadableError(text if text.startswith(name) else f"{name}: cannot be read: {text}; {remedy}") from error
 
 
 @functools.lru_cache(maxsize=4)
@@ -138,10 +138,15 @@ def read_by_trimesh(name: str) -> tuple[Polygons | NDArray[np.float64], tuple[st
         return _ply(name)
     if suffix == ".stl":
         _require_whole_stl(name)
+    if suffix in (".dxf", ".svg"):
+        remedy = "write its faces as .ply, .obj or .glb, and give that"
+        raise UnreadableError(f"{name}: of a drawing ({suffix}) lines alone are read, and no faces: {remedy}")
     scene: Any = trimesh.load_scene(name, process=False)
     meshes = [g for g in scene.geometry.values() if isinstance(g, trimesh.Trimesh)]
     if others := len(scene.geometry) - len(meshes):
         notes.append(f"{others} point clouds or paths are left out")
+    if not meshes:
+        return np.empty((0, 3, 3)), tuple(notes)
     mesh: Any = scene.to_mesh()
     triangles = np.asarray(mesh.vertices, np.float64)[np.asarray(mesh.faces, np.int64)].reshape(-1, 3, 3)
     if scene.units not in (None, "m", "meter", "meters", "metre", "metres"):

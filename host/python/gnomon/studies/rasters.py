@@ -112,10 +112,12 @@ def _require_declared(masked: Any, name: str, row: int, column: int, says_no_dat
     found = _arrays.first_no_height(values, ~np.ma.getmaskarray(masked), says_no_data)
     if found is not None:
         value = values[found].item()
+        other = f"; if the ground lies there, rio edit-info --nodata {_unused_value(values.dtype)} {name}"
         _opened.cache_clear()  # the next read sees what is declared then
         raise UndeclaredNoDataError(
             f"{name}: the cell in row {row + found[0]}, column {column + found[1]} is {value:.9g}, which is no "
             f"height, and the file does not declare that it stands for no data: rio edit-info --nodata {value!r} {name}"
+            + (other if -9999 < value < 0 else "")
         )
 
 
@@ -215,7 +217,8 @@ def _checked(name: str) -> Any:
 
 def _require_no_degrees(name: str, data: Any) -> None:
     """Raises ValueError for a file without a CRS whose coordinates must be degrees: its box fits longitudes and
-    latitudes, and its heights, but for the lowest and highest twentieth, rise by more than the box's diagonal."""
+    latitudes, and its cells are smaller than a centimetre would be; or its heights, but for the lowest and highest
+    twentieth, rise by more than the box's diagonal."""
     box = data.bounds
     if max(-box.left, box.right) > 361 or max(-box.bottom, box.top) > 91:
         return
@@ -224,7 +227,8 @@ def _require_no_degrees(name: str, data: Any) -> None:
     except rasterio.errors.RasterioError:
         return  # the survey says so
     heights = heights[np.isfinite(heights)].astype(np.float64)
-    if not heights.size or np.ptp(np.percentile(heights, [5, 95])) <= np.hypot(*(np.array(box[2:]) - box[:2])):
+    rise = np.ptp(np.percentile(heights, [5, 95])) if heights.size else 0
+    if max(data.res) >= 0.01 and rise <= np.hypot(*(np.array(box[2:]) - box[:2])):
         return
     raise ValueError(
         f"{name}: has no CRS, and its coordinates look like degrees (cells of {data.res[0]:g}, from {box.left:g}, "
@@ -235,11 +239,12 @@ def _require_no_degrees(name: str, data: Any) -> None:
 
 def _option_of_warp(data: Any) -> str:
     """What rio warp needs for a file that declares no nodata: without it, cells outside of the file have height 0."""
-    if data.nodata is not None:
-        return ""
-    dtype = np.dtype(data.dtypes[0])
-    value = {"i": lambda: np.iinfo(dtype).min, "u": lambda: np.iinfo(dtype).max}.get(dtype.kind, lambda: "nan")()
-    return f" --src-nodata {value}"
+    return "" if data.nodata is not None else f" --src-nodata {_unused_value(np.dtype(data.dtypes[0]))}"
+
+
+def _unused_value(dtype: np.dtype[Any]) -> Any:
+    """A value of the type that is no height, for no data."""
+    return {"i": lambda: np.iinfo(dtype).min, "u": lambda: np.iinfo(dtype).max}.get(dtype.kind, lambda: "nan")()
 
 
 def _name_of(crs: Any) -> str:
@@ -253,6 +258,15 @@ def _is_same_map(one: Any, other: Any) -> bool:
 def _unit_of(data: Any, name: str, height_unit: str | None) -> float:
     """The metres of the heights' unit: that of the settings, of the band, or of the CRS's heights."""
     declared = height_unit if height_unit is not None else data.units[0] or _unit_in_tags(data)
+    if height_unit is None:
+        tags = data.tags(1)
+        what = tags.get("standard_name", "")
+        is_rain = not what and declared == "mm" and "NETCDF_VARNAME" in tags
+        if is_rain or not _arrays.is_of_heights(what):
+            raise ValueError(
+                f"{name}: its values are {f'{what!r} (standard_name)' if what else 'in mm, as rain is'}, and no "
+                f"heights; if they are, give height_unit={declared or 'metre'!r}"
+            )
     try:
         metres = metres_of_height(data.crs)
     except ValueError as error:
