@@ -268,17 +268,34 @@ void bind_techniques(nb::module_& m) {
         .def_ro("name", &gnomon::SettingDescription::name)
         .def_ro("default", &gnomon::SettingDescription::default_value)
         .def_ro("meaning", &gnomon::SettingDescription::meaning)
-        .def("__repr__", [](const gnomon::SettingDescription& s) {
-            return "<gnomon.SettingDescription " + s.name + "=" + s.default_value + ": " + s.meaning + ">";
-        });
-    nb::class_<gnomon::TechniqueDescription>(
-        m, "TechniqueDescription", "A technique: its name, a line about it, whether it is exact, its settings.")
+        .def("__repr__",
+             [](const gnomon::SettingDescription& s) {
+                 return "<gnomon.SettingDescription " + s.name + "=" + s.default_value + ": " + s.meaning + ">";
+             })
+        .def("__getstate__",
+             [](const gnomon::SettingDescription& s) { return std::tuple(s.name, s.default_value, s.meaning); })
+        .def("__setstate__",
+             [](gnomon::SettingDescription& s, std::tuple<std::string, std::string, std::string> state) {
+                 auto& [name, default_value, meaning] = state;
+                 new (&s) gnomon::SettingDescription{std::move(name), std::move(default_value), std::move(meaning)};
+             });
+    using gnomon::TechniqueDescription;
+    using TechniqueState = std::tuple<std::string, std::string, bool, std::vector<gnomon::SettingDescription>>;
+    nb::class_<TechniqueDescription>(m, "TechniqueDescription",
+                                     "A technique: its name, a line about it, whether it is exact, its settings.")
         .def_ro("name", &gnomon::TechniqueDescription::name)
         .def_ro("summary", &gnomon::TechniqueDescription::summary)
         .def_ro("exact", &gnomon::TechniqueDescription::exact)
         .def_ro("settings", &gnomon::TechniqueDescription::settings)
-        .def("__repr__", [](const gnomon::TechniqueDescription& t) {
-            return "<gnomon.TechniqueDescription '" + t.name + "': " + t.summary + ">";
+        .def("__repr__",
+             [](const gnomon::TechniqueDescription& t) {
+                 return "<gnomon.TechniqueDescription '" + t.name + "': " + t.summary + ">";
+             })
+        .def("__getstate__",
+             [](const TechniqueDescription& t) { return std::tuple(t.name, t.summary, t.exact, t.settings); })
+        .def("__setstate__", [](TechniqueDescription& t, TechniqueState state) {
+            auto& [name, summary, exact, settings] = state;
+            new (&t) TechniqueDescription{std::move(name), std::move(summary), exact, std::move(settings)};
         });
     m.def("techniques", &gnomon::techniques);
     nb::class_<Technique>(m, "Technique")

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: MIT
 """gnomon.view(): the page of the command, for scenes of arrays and of files; pictures of views in notebooks."""
 
+import copy
 import io
 import json
 import os
+import pickle
 import socket
 import subprocess
 import sys
@@ -80,7 +82,7 @@ def test_a_page_shows_arrays(command):
         shown = ask(page, "frame.png", size="160x90", eye="0,6,6", target="0,0,0", **{"light-direction": "0,-1,0"})
         view = scene.view(**FROM_ABOVE, size=(160, 90))
         assert (pixels_of(shown) == view.image(direction=(0, -1, 0))).all()
-        folder = Path(page._folder.name)
+        folder = Path(page._folder)
         assert list(folder.iterdir())
         frame = page._repr_html_()
         assert "<iframe" in frame and f'src="{page.address}"' in frame
@@ -129,11 +131,33 @@ def test_a_page_lives_as_long_as_its_process(command):
         "import gnomon, numpy, gc\n"
         "gnomon.view(gnomon.Scene(numpy.eye(3, dtype='float32')[None]), browser=False)\n"
         "gc.collect(); page, = gnomon._page._open\n"
-        "print(page.address, page._folder.name, page._process.poll())"
+        "print(page.address, page._folder, page._process.poll())"
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     address, folder, ended = done.stdout.split()
     assert ended == "None" and not is_listening(address) and not Path(folder).exists()
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork here")
+@pytest.mark.parametrize(
+    "act", ["sys.exit()", "page.close(); os._exit(0)", "_page._open.clear(); del page; gc.collect()"]
+)
+def test_a_child_leaves_its_parents_page(command, act):
+    script = (
+        "import gnomon, numpy, gc, os, sys\nfrom gnomon import _page\n"
+        "page = gnomon.view(gnomon.Scene(numpy.eye(3, dtype='float32')[None]), browser=False)\n"
+        f"child = os.fork()\nif child == 0:\n    {act}\n    sys.exit()\nos.waitpid(child, 0)\n"
+        "print(os.path.exists(page._folder + '/scene.glb'), page._process.poll())"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert done.stdout == "True None\n", done.stderr
+
+
+def test_a_page_does_not_travel(command):
+    with gnomon.view(gnomon.Scene(FLOOR_AND_ROOF), browser=False) as page:
+        for way in (pickle.dumps, copy.copy, copy.deepcopy):
+            with pytest.raises(TypeError, match="a gnomon.Page is a server of its process .* pickle its address"):
+                way(page)
 
 
 def test_a_notebook_shows_the_picture_of_a_view(command, tmp_path):

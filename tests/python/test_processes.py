@@ -6,6 +6,8 @@ the right answer, or with one exception at once that names 'spawn'; none hangs."
 import copy
 import os
 import pickle
+import subprocess
+import sys
 
 import gnomon
 import numpy as np
@@ -100,6 +102,20 @@ def test_a_child_uses_what_it_inherited(act):
     refused = forked(USED, *ACTS[act])
     expected = REFUSED if act != "closes the scene" else "refused ValueError False"
     assert refused == expected
+
+
+def test_a_child_reads_the_results_of_a_study(tmp_path):
+    """Which need no device. The parent has read them, too, by dask's threads, which a child has not."""
+    pytest.importorskip("rasterio")
+    state = (
+        f"sys.path[:0] = [{os.path.join(os.path.dirname(__file__), 'study')!r}]\nfrom made import *\n"
+        f"os.chdir({str(tmp_path)!r})\nfrom gnomon import studies\n"
+        "write_raster('d.tif', city(24)); write_suns('s.csv', [(180, 40)])\n"
+        "done = studies.study('study', raster='d.tif', directions='s.csv', outputs=['bits'])\n"
+        "lit = int(done.dataset().lit.values.sum())"
+    )
+    act = "answer = lambda: int(done.dataset().lit.values.sum()) == lit"
+    assert forked(state, act) == "answered True"
 
 
 @pytest.mark.parametrize("end", ["sys.exit(0)", "raise SystemExit", "pass", "os.execv('/bin/true', ['true'])"])
@@ -202,6 +218,21 @@ def test_a_script_without_main_guard_is_one_sentence(guard, tmp_path):
         assert '__name__ == "__main__"' in done.stderr.splitlines()[-1]
 
 
+def test_a_program_that_workers_cannot_import_is_one_sentence(tmp_path):
+    pytest.importorskip("distributed")
+    start = (
+        "import sys\nfrom gnomon.studies import runner\nwith runner.executor_of(runner.Execution(workers=1)): pass\n"
+    )
+    done = subprocess.run([sys.executable], input=start, capture_output=True, text=True, timeout=90)
+    assert done.stderr.splitlines()[-1].endswith("import the program, and <stdin> is no file: write it into one")
+    pool = "with multiprocessing.get_context('spawn').Pool(1) as p: p.apply(start)"
+    code = f"import multiprocessing\ndef start(): exec({start!r}, {{}})\nif __name__ == '__main__':\n    {pool}\n"
+    said = run(code, tmp_path).stderr.splitlines()[-1]
+    assert said.startswith(
+        "RuntimeError: workers=: a process of multiprocessing.Pool or of a dask worker may start none"
+    )
+
+
 def test_an_interactive_program_needs_no_guard():
     pytest.importorskip("distributed")
     code = UNGUARDED.format(guard="", rest=" print(sorted(dict(e.run([(i, abs, (-i,)) for i in (1, 2)])).items()))")
@@ -269,6 +300,10 @@ def test_small_objects_travel(way):
     assert through(gnomon.Side.normals([[0, 0, 1]])).value == [[0, 0, 1]]
     assert through(gnomon.Technique("pcf", {"size": 64})) == gnomon.Technique("pcf", {"size": 64})
     assert through(gnomon.Lights.directions([[0, 0, -1]], [2.0])).weights == [2.0]
+    for one in gnomon.techniques():
+        two = through(one)
+        assert (two.name, two.summary, two.exact, repr(two)) == (one.name, one.summary, one.exact, repr(one))
+        assert list(map(repr, two.settings)) == list(map(repr, one.settings))
     names = [name for name in dir(gnomon.DeviceDescription) if not name.startswith("_")]
     for device in gnomon.devices():
         travelled = through(device)

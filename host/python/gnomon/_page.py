@@ -32,7 +32,7 @@ class Page:
     """A page of `gnomon view` that gnomon.view() opened; with `with`, it is closed at the end. A notebook shows it in a
     frame of its own."""
 
-    def __init__(self, words: Sequence[str], folder: tempfile.TemporaryDirectory[str] | None, height: int) -> None:
+    def __init__(self, words: Sequence[str], folder: str | None, height: int) -> None:
         self._folder = folder
         self._height = height
         with tempfile.TemporaryFile() as said:
@@ -43,7 +43,7 @@ class Page:
             assert self._process.stdout is not None
             #: Of the page, with its token.
             self.address = self._process.stdout.readline().strip()
-            self._end = weakref.finalize(self, _end, self._process, folder)
+            self._end = weakref.finalize(self, _end, self._process, folder, os.getpid())
             if not self.address:
                 self._process.wait()
                 said.seek(0)
@@ -62,6 +62,9 @@ class Page:
     def __exit__(self, *_: object) -> None:
         self.close()
 
+    def __reduce__(self) -> Any:
+        raise TypeError("a gnomon.Page is a server of its process and cannot be copied or pickled: pickle its address")
+
     def __repr__(self) -> str:
         return f"<gnomon.Page at {self.address}>" if self._end.alive else "<gnomon.Page, closed>"
 
@@ -74,13 +77,15 @@ class Page:
         )
 
 
-def _end(process: subprocess.Popen[str], folder: tempfile.TemporaryDirectory[str] | None) -> None:
+def _end(process: subprocess.Popen[str], folder: str | None, owner: int) -> None:
+    if os.getpid() != owner:
+        return  # a child of a fork, whose parent goes on with the server
     process.terminate()
     process.wait()
     if process.stdout is not None:
         process.stdout.close()
     if folder is not None:
-        folder.cleanup()
+        shutil.rmtree(folder, ignore_errors=True)
 
 
 def view(
@@ -116,8 +121,8 @@ def view(
         words = list(scene._file)
     else:
         written = _glb(scene, up)
-        folder = tempfile.TemporaryDirectory(prefix="gnomon-view-")
-        words = [str(Path(folder.name) / "scene.glb")]
+        folder = tempfile.mkdtemp(prefix="gnomon-view-")
+        words = [str(Path(folder) / "scene.glb")]
         Path(words[0]).write_bytes(written)
     if folder is None and up != "y":
         raise ValueError("up: the page shows a glTF file as it is, in which y points up")

@@ -133,6 +133,8 @@ def test_the_command_line(study, tmp_path, capsys):
     [
         (["verify", "/nowhere"], "/nowhere: holds no study"),
         (["run", "/nowhere.toml"], "/nowhere.toml: there is no such file"),
+        (["run", "/"], "gnomon-study: /: Is a directory"),
+        (["export", "STUDY", "/proc/none/x.tif"], "gnomon-study: /proc/none: No such file or directory"),
         (["run", "FILE", "--tiles", "7"], "--tiles: '7' is not i:j"),
         (["export", "STUDY", "x.tif", "--what", "moon"], "what: 'moon' is not in this study, which has"),
         (["verify", "STUDY", "--share", "2"], "share: 2.0 is not between 0 and 1"),

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import dataclasses
 import os
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -37,6 +38,16 @@ __all__ = [
     "study",
     "verify",
 ]
+
+
+def _forget_threads() -> None:
+    """In a child of a fork: dask's threads, which the child has not, and would wait for when it reads a dataset."""
+    if "dask.threaded" in sys.modules:
+        sys.modules["dask.threaded"].default_pool = None  # type: ignore[attr-defined]
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_forget_threads)
 
 
 class Study:

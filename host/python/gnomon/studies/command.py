@@ -329,7 +329,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         return int(options.function(options))
     except (ValueError, OSError, StudyStoppedError, MemoryError, DeviceNotFoundError, OpenCLError) as error:
-        print(f"gnomon-study: {error}", file=sys.stderr)
+        text = str(error)
+        if isinstance(error, OSError) and error.filename and error.strerror:
+            text = f"{error.filename}: {error.strerror}"
+        print(f"gnomon-study: {text}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:
         is_kept = options.command in ("run", "viewshed")

@@ -7,6 +7,7 @@ import ast
 import contextlib
 import errno
 import itertools
+import multiprocessing
 import os
 import sys
 import warnings
@@ -188,6 +189,13 @@ def _require_main_guard() -> None:
     """Worker processes import the program that runs, and would start the study again where no guard keeps them out."""
     main = sys.modules["__main__"]
     file = getattr(main, "__file__", None)
+    if multiprocessing.current_process().daemon:
+        raise RuntimeError(
+            "workers=: a process of multiprocessing.Pool or of a dask worker may start none: leave workers= out, or "
+            "take concurrent.futures.ProcessPoolExecutor"
+        )
+    if main.__spec__ is None and file is not None and not os.path.exists(file):
+        raise RuntimeError(f"workers=: worker processes import the program, and {file} is no file: write it into one")
     frame: FrameType | None = sys._getframe()
     while frame is not None and not (frame.f_globals is main.__dict__ and frame.f_code.co_name == "<module>"):
         frame = frame.f_back
