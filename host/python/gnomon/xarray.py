@@ -219,9 +219,9 @@ def _require_metres(dem: xarray.DataArray, x: NDArray[np.float64], y: NDArray[np
             units = str(dem.coords[name].attrs.get("units", ""))
             is_likely = is_tiny or str(name).lower() in _DEGREES  # cells below a centimetre
             if units.lower().startswith("degree") or (not units and is_likely):
-                certain = "are" if units else "look like"
+                how = "are" if units else "look like"
                 raise ValueError(
-                    f"heights: the coordinates {str(name)!r} {certain} degrees: put them on a map in metres first, as in "
+                    f"heights: the coordinates {str(name)!r} {how} degrees: put them on a map in metres first, as in "
                     "dem.rio.write_crs('EPSG:4326').rio.reproject(dem.rio.estimate_utm_crs()); if they are metres, "
                     f"say so: dem.{name}.attrs['units'] = 'm'"
                 )
