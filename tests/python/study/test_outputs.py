@@ -16,6 +16,7 @@ import rasterio
 import xarray
 from gnomon import studies
 from gnomon.studies.command import main as command
+from gnomon.studies.export import _title
 from made import UTM, city, run, write_raster, write_suns
 
 PAGE = Path(__file__).parents[3] / "docs" / "studies.md"
@@ -107,6 +108,17 @@ def test_the_picture(study):
     assert pixels.shape[0] > 500 and pixels.std() > 30
     assert ((pixels == 128).all(axis=2) | ((pixels[..., 0] == pixels[..., 1]) & (pixels[..., 0] > 90)
             & (pixels[..., 0] < 200) & (pixels[..., 1] == pixels[..., 2]))).sum() > 500, "grey: undecided"  # fmt: skip
+
+
+def test_a_picture_says_where_its_squares_come_from(study, tmp_path):
+    """On level ground of 80 km one sun of some zones stands below 3 degrees, and that of the others does not."""
+    flat = write_raster(tmp_path / "flat.tif", np.zeros((16, 16)), cell=5000)
+    day = dict(start="2026-12-20", end="2026-12-21", step="30min", utc_offset=1, outputs=["hours"])
+    squares = run(tmp_path / "squares", raster=flat, **day)
+    assert len(np.unique(squares.dataset().sun_hours.values)) == 2
+    said = "its squares are sun zones of 10 km: a sun near 3 degrees is left out in some"
+    assert _title(squares.plan, "sun_hours").endswith(f"2026-12-21\n{said}")
+    assert said not in _title(study.plan, "sun_hours")
 
 
 def test_the_command_line(study, tmp_path, capsys):

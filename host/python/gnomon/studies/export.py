@@ -159,6 +159,16 @@ def _period(plan: Plan) -> str:
     return f"{plan.settings.start} to {plan.settings.end}" if plan.settings.start else "table of directions"
 
 
+def _title(plan: Plan, name: str) -> str:
+    """With what the squares in a map are where some zones have a sun more than others."""
+    title = f"{TITLES[name]}, {_period(plan)}"
+    counts = np.isfinite(plan.suns.towards[..., 0]).sum(axis=1)
+    if (counts == counts[0]).all():
+        return title
+    side, least = plan.settings.zone / 1000, plan.settings.min_elevation
+    return f"{title}\nits squares are sun zones of {side:g} km: a sun near {least:g} degrees is left out in some"
+
+
 def picture(plan: Plan, path: Path, what: str | None = None, largest: int = 1200) -> Path:
     """A map of sums with a legend; grey where a sun is undecided, white where there is no receiver. A raster with more
     than `largest` cells on a side is drawn by every n-th cell."""
@@ -191,7 +201,7 @@ def picture(plan: Plan, path: Path, what: str | None = None, largest: int = 1200
     axes.tick_params(axis="x", rotation=20)
     axes.set_xlabel("east, m")
     axes.set_ylabel("north, m")
-    axes.set_title(f"{TITLES[name]}, {_period(plan)}", fontsize=10)
+    axes.set_title(_title(plan, name), fontsize=10)
     figure.colorbar(drawn, ax=axes, label=TITLES[name])
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path)
