@@ -32,6 +32,7 @@ OwnPoints read_points(const std::filesystem::path& file, const scene::Extent& ex
     const std::vector<std::string> positions{"x", "y", "z"}, all{"x", "y", "z", "nx", "ny", "nz"};
     const scene::NumberTable rows(table_file_text(file), file.string(), {{positions, all}, scene::point_headings()});
     rows.require(positions, "points need the columns x, y, z, and nx, ny, nz for the side that they face");
+    if (rows.rows() == 0) throw Error(file.string() + " has no points");
     rows.require_data(positions);
     const bool has_normals = rows.has("nx") && rows.has("ny") && rows.has("nz");
     OwnPoints points;
@@ -162,7 +163,8 @@ std::string summary(const HoursOptions& options, const scene::Scene& scene, cons
         text += fmt::format("; direct {:.6g}, diffuse {:.6g}", mean_of(reached.direct).first,
                             mean_of(reached.diffuse).first);
     text += fmt::format("; {:.0f} ms\n", reached.sums.statistics.total_wall_ms);
-    if (count != 0 && !table.suns.empty() && std::ranges::none_of(reached.sums.values, [](double v) { return v != 0; }))
+    const auto has_sum = [](double value) { return value < 0 || value > 0; };  // the sky has none
+    if (count != 0 && !table.suns.empty() && std::ranges::none_of(reached.sums.values, has_sum))
         text += "hint: no sun reaches any point: a closed room or sky keeps them out, and y points up in the scene\n";
     if (count != 0) return text;
     bool has_any = false;

@@ -770,6 +770,7 @@ TEST_F(Command, HoursRefusesWhatHasNoMeaning) {
     std::ofstream(in_folder("points.csv")) << "x,y\n0,0\n";
     std::ofstream(in_folder("absent.csv")) << "x,y,z\n0,0,0\n-9999,-9999,5\n";
     std::ofstream(in_folder("weights.csv")) << "0,-1,0,5\n0,-1,1,-999\n";
+    std::ofstream(in_folder("none.csv")) << "x,y,z\n";
     std::ofstream(in_folder("suns.bz2")) << "BZh91AY";
     std::ofstream(in_folder("cut.csv.gz")) << "\x1f\x8b\x08";
     const struct {
@@ -806,6 +807,7 @@ TEST_F(Command, HoursRefusesWhatHasNoMeaning) {
         {{"-o", "a.png", "--directions", "."}, 1, "cannot read .: it is a folder"},
         {{"-o", "a.png", "--directions", "cut.csv.gz"}, 1, "packed with gzip, and cut off or damaged: pack it again"},
         {{"-o", "a.png", "--directions", "suns.bz2"}, 1, "suns.bz2: is packed by bzip2: unpack it (bunzip2)"},
+        {{"-o", "a.csv", "--directions", "suns.csv", "--points", "none.csv"}, 1, "none.csv has no points"},
         {{"-o", "a.png", "--directions", "weights.csv"},
          1,
          "weights.csv, line 2 has weight = \"-999\", which stands for no data: write 0"},
@@ -998,7 +1000,7 @@ TEST_F(Command, AnEmptyPictureOfHoursSaysWhatToTry) {
     const std::string usual = said({});
     EXPECT_EQ(usual.find("hint"), std::string::npos);
     EXPECT_NE(usual.find("2 suns, -1 hours; 1 of a weight below 0, which lower sums"), std::string::npos) << usual;
-    const std::string dark = said({"--eye", "0,-9,0", "--target", "0,0,0.1"});  // backs
+    const std::string dark = said({"--eye", "0,-25,0", "--target", "0,0,0.1"});  // backs before the sky
     EXPECT_NE(dark.find("hint: no sun reaches any point"), std::string::npos) << dark;
     const std::string upwards = said({"--eye", "0,9,0", "--target", "0,99,1"});
     EXPECT_NE(upwards.find("hint: the camera sees no triangle: --eye X,Y,Z"), std::string::npos) << upwards;
