@@ -246,7 +246,7 @@ std::optional<std::size_t> first_no_data(std::span<const double> values, std::si
     };
     for (std::size_t row = 0; row < values.size() / columns; ++row)
         for (const double number : values.subspan(row * columns, columns)) {
-            if (!stands_for_no_data(number, columns == 1) || !row_is(row, number)) continue;
+            if (!row_is(row, number) || !stands_for_no_data(number, columns == 1)) continue;
             bool is_alone = true;
             for (std::size_t other = 0; other < values.size() && is_alone; ++other)
                 is_alone = row_is(other / columns, number) || !(values[other] / number >= 0.5);
