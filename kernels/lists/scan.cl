@@ -31,9 +31,7 @@ static uint counts_in_chunk(uint count, uint chunk) { return min(count - chunk *
 __kernel void scan_sums(uint count, __global const uint* counts, __global uint* chunk_sums, __local uint* sums) {
     uint item = (uint)get_local_id(0), items = (uint)get_local_size(0);
     FOR_EACH_CHUNK(chunk, count) {
-        uint first = chunk * SCAN_CHUNK, end = first + counts_in_chunk(count, chunk), sum = 0u;
-        for (uint i = first + item; i < end; i += items) sum = add_sat(sum, counts[i]);
-        scan_group(sum, sums);
+        scan_group(sum_of_run(counts, run_of_item(chunk * SCAN_CHUNK, counts_in_chunk(count, chunk))), sums);
         if (item == items - 1u) chunk_sums[chunk] = sums[item];
         barrier(CLK_LOCAL_MEM_FENCE);
     }
