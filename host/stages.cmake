@@ -65,7 +65,6 @@ gnomon_wing(samples samples fragments pixel_masks_gpu samples_masks_gpu open_sam
 gnomon_wing(lights lights light_bundle light_bundles position_bundles light_sides light_sums point_order many_lights
             lights_method)
 gnomon_wing(horizons height_field strip_triangle strip_walk horizons raster sweeps)
-gnomon_wing(sight sight_lines sight_sweep height_grid)
 gnomon_wing(bvh binary_tree wide_bvh)
 gnomon_wing(beams beam beam_lanes beam_sides point_light_planes beam_intersect beam_walk point_beam)
 gnomon_wing(packets parallel_packets converging_packets ray_packets)
@@ -78,6 +77,7 @@ gnomon_wing(c c_interface c_interface_lattice c_interface_lights c_interface_res
 
 # Libraries of their own (host/CMakeLists.txt), which the core does not know.
 gnomon_wing(shading texture mip_levels appearance surface metering shade picture_mean received_light c_interface_shading)
+gnomon_wing(sight sight_lines sight_sweep height_grid)
 gnomon_wing(rivals rivals framed_technique conservative_map_alone shadow_volumes sub_pixel_shadow_map izb)
 gnomon_wing(rivals/rasterizer map_view depth_pass caster drawing tile_bounds window_depths caster_lanes caster_windows caster_chunks)
 gnomon_wing(rivals/shadow_map map_projection homography partition texel_footprint depth_pass lookup depth_lookup moments mip_chain moment_lookup

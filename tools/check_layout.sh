@@ -128,7 +128,7 @@ budgets=tools/check_layout/budgets.txt
 [ -f "$budgets" ] || budgets=/dev/null
 lines_of "$kernel_or_host.*$source" | awk -v table="$budgets" '
     function wing_of(path, parts, n) { n = split(path, parts, "/"); return n > 2 ? parts[2] : "root" }
-    function is_core(wing) { return wing !~ /^(app|measure|python|rivals|scene|shading)$/ }
+    function is_core(wing) { return wing !~ /^(app|measure|python|rivals|scene|shading|sight)$/ }
     { wing = wing_of($2); lines[wing] += $1; if (is_core(wing)) lines["core"] += $1 }
     END {
         while ((getline line < table) > 0)

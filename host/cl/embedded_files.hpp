@@ -11,9 +11,10 @@ struct EmbeddedFile {
     std::string_view path;  ///< "kernels/rivals/izb.cl"
     std::string_view text;
 };
-/// The kernels of the core library, of shading and of the classic techniques.
+/// The kernels of the core library, of shading, of sight and of the classic techniques.
 std::span<const EmbeddedFile> embedded_kernels();
 std::span<const EmbeddedFile> embedded_kernels_of_shading();
+std::span<const EmbeddedFile> embedded_kernels_of_sight();
 std::span<const EmbeddedFile> embedded_kernels_of_rivals();
 /// Adds kernels to those of the core library, which programs are made from (cl/program.cpp); returns true, so that a
 /// constant of a library can call it before main() begins.

@@ -6,6 +6,7 @@
 #include <tuple>
 #include <utility>
 
+#include "cl/embedded_files.hpp"
 #include "cl/opencl.hpp"
 #include "query/inputs.hpp"
 
@@ -13,6 +14,9 @@ namespace gnomon {
 namespace {
 
 constexpr const char* lines_file = "sight/sight_lines.cl";
+
+/// A program that has a grid has its kernels before it makes its first program for a device.
+[[maybe_unused]] const bool sight_is_embedded = add_embedded_kernels(embedded_kernels_of_sight());
 
 void require(bool holds, const char* text) {
     if (!holds) throw InvalidArgument(text);
