@@ -132,28 +132,17 @@ Horizons::Horizons(const LightsRun& run, const SortedPoints& sorted, const Built
     session_.upload(steps_, tables.steps);
 }
 
-HorizonParams Horizons::params_of(const PointsLayout& points, const HorizonMasks& masks) const {
-    return {.field = field_.field(),
-            .points = points,
-            .bundle_count = masks.bundle_count,
-            .mask_stride = masks.stride,
-            .padding = {}};
-}
-
 void Horizons::decide(const PointsLayout& points, const HorizonMasks& masks) {
     const cl::StageTimer timer(session_, statistics_, "horizons");
     const std::size_t tasks = std::size_t(points.count) * masks.bundle_count / session_.lanes() + 1;
-    session_.launch("horizons/horizons.cl", "horizons", session_.uneven_items(tasks, 1), params_of(points, masks),
-                    sectors_, steps_, field_.starts(), field_.list(), field_.pyramid(),
-                    triangle_inputs(run_.triangles).vertices, sorted_.positions(), sorted_.receivers(), masks.masks,
-                    masks.lit, masks.begins);
-}
-
-void Horizons::join(const PointsLayout& points, const HorizonMasks& masks) {
-    const cl::StageTimer timer(session_, statistics_, "horizons_join");
-    session_.launch("horizons/horizons.cl", "horizons_join",
-                    cl::Range::items(std::size_t(points.count) * masks.bundle_count), params_of(points, masks),
-                    masks.masks, masks.lit);
+    const HorizonParams params{.field = field_.field(),
+                               .points = points,
+                               .bundle_count = masks.bundle_count,
+                               .mask_stride = masks.stride,
+                               .padding = {}};
+    session_.launch("horizons/horizons.cl", "horizons", session_.uneven_items(tasks, 1), params, sectors_, steps_,
+                    field_.starts(), field_.list(), field_.pyramid(), triangle_inputs(run_.triangles).vertices,
+                    sorted_.positions(), sorted_.receivers(), masks.masks, masks.lit, masks.begins);
 }
 
 }  // namespace gnomon

@@ -26,12 +26,8 @@ public:
 
     /// `points`: a part of the sorted points. Removes the lights that it decides from the masks.
     void decide(const PointsLayout& points, const HorizonMasks& masks);
-    /// Adds to the masks the lights that decide() found to reach the points.
-    void join(const PointsLayout& points, const HorizonMasks& masks);
 
 private:
-    HorizonParams params_of(const PointsLayout& points, const HorizonMasks& masks) const;
-
     const LightsRun& run_;
     const SortedPoints& sorted_;
     const BuiltHeightField& field_;

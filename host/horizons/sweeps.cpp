@@ -190,28 +190,19 @@ Sweeps::Sweeps(const LightsRun& run, const BuiltRaster& raster, const RasterPoin
     session_.finish();
 }
 
-SweepParams Sweeps::params_of(const PointsLayout& points, const HorizonMasks& masks) const {
-    return {.points = points,
-            .bundle_count = masks.bundle_count,
-            .mask_stride = masks.stride,
-            .task_count = 0,
-            .padding = 0};
-}
-
 void Sweeps::decide(const PointsLayout& points, const HorizonMasks& masks) {
     const cl::StageTimer timer(session_, statistics_, "sweeps_decide");
-    session_.launch(file, "sweeps_decide", session_.blocks(std::size_t(points.count) * masks.bundle_count),
-                    params_of(points, masks), sweeps_, bases_, at_.vertices, answers_, masks.masks, masks.lit);
-    session_.launch(file, "sweeps_walk", cl::Range::shares(std::size_t(points.count) * masks.bundle_count),
-                    params_of(points, masks), sweeps_, at_.vertices, raster_.copied_heights(), raster_.tops(),
+    const SweepParams params{.points = points,
+                             .bundle_count = masks.bundle_count,
+                             .mask_stride = masks.stride,
+                             .task_count = 0,
+                             .padding = 0};
+    const std::size_t words = std::size_t(points.count) * masks.bundle_count;
+    session_.launch(file, "sweeps_decide", session_.blocks(words), params, sweeps_, bases_, at_.vertices, answers_,
                     masks.masks, masks.lit);
+    session_.launch(file, "sweeps_walk", cl::Range::shares(words), params, sweeps_, at_.vertices,
+                    raster_.copied_heights(), raster_.tops(), masks.masks, masks.lit);
     session_.finish();
-}
-
-void Sweeps::join(const PointsLayout& points, const HorizonMasks& masks) {
-    const cl::StageTimer timer(session_, statistics_, "sweeps_join");
-    session_.launch(file, "sweeps_join", cl::Range::items(std::size_t(points.count) * masks.bundle_count),
-                    params_of(points, masks), masks.masks, masks.lit);
 }
 
 }  // namespace gnomon

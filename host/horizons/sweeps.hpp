@@ -27,12 +27,8 @@ public:
 
     /// `points`: a part of the sorted points. Removes the lights that are decided from the masks.
     void decide(const PointsLayout& points, const HorizonMasks& masks);
-    /// Adds to the masks the lights that reach the points.
-    void join(const PointsLayout& points, const HorizonMasks& masks);
 
 private:
-    SweepParams params_of(const PointsLayout& points, const HorizonMasks& masks) const;
-
     cl::Session& session_;
     const BuiltRaster& raster_;
     const RasterPoints& at_;

@@ -67,8 +67,7 @@ void BeamPasses::decide(const PointPart& part) {
     if (horizons_) horizons_->decide(points, masks_.for_horizons());
     if (sweeps_ != nullptr) sweeps_->decide(points, masks_.for_horizons());
     masks_.trace(part, stage_of(shape_), [&] { launch(part); });
-    if (horizons_) horizons_->join(points, masks_.for_horizons());
-    if (sweeps_ != nullptr) sweeps_->join(points, masks_.for_horizons());
+    masks_.join(part);
 }
 
 void BeamPasses::launch(const BeamParams& params, std::size_t tasks, const char* kernel) {

@@ -68,6 +68,17 @@ void LightMasks::face(const PointPart& part) {
                     run_.sorted.receivers(), run_.sorted.normals(), masks_);
 }
 
+void LightMasks::join(const PointPart& part) {
+    if (before_ == Before::nothing) return;
+    const cl::StageTimer timer(session_, statistics_, before_ == Before::sweeps ? "sweeps_join" : "horizons_join");
+    LightSumsParams params{};
+    params.point_count = static_cast<cl_uint>(part.count);
+    params.bundle_count = bundle_count_;
+    params.mask_stride = static_cast<cl_uint>(max_points_);
+    session_.launch("lights/light_sums.cl", "light_join", cl::Range::items(part.count * bundle_count_), params, masks_,
+                    lit_);
+}
+
 void LightMasks::add_to(LightSums& sums, const PointPart& part, std::uint32_t first_bundle) {
     cl::StageTimer timer(session_, statistics_, "light_sums");
     sums.add(masks_, max_points_, part.first, part.count, first_bundle, bundle_count_);

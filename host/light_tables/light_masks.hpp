@@ -66,6 +66,8 @@ public:
         timer.next("beam_exact");
         if (counted.queued != 0) decide_queue(part);
     }
+    /// Adds to the masks, after the trace, the lights that horizons or sweeps found to reach the points.
+    void join(const PointPart& part);
     /// Adds the masks of all bundles to the sums, where `first_bundle` is the number of the first one.
     void add_to(LightSums& sums, const PointPart& part, std::uint32_t first_bundle);
 

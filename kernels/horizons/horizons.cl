@@ -193,11 +193,3 @@ __kernel void horizons(const HorizonParams params, __global const HorizonSector*
     decide_horizons(item_range(block_count(params.points) * (size_t)params.bundle_count), params, sectors, steps,
                     starts, list, pyramid, vertices, positions, receivers, masks, lit, begins);
 }
-
-// Adds the lights that the horizons found to reach the points to the masks, after the open lights were traced.
-__kernel void horizons_join(const HorizonParams params, __global uint* masks, __global const uint* lit) {
-    GN_FOR_EACH(i, params.points.count * (size_t)params.bundle_count) {
-        size_t at = i / params.points.count * params.mask_stride + i % params.points.count;
-        masks[at] |= lit[at];
-    }
-}

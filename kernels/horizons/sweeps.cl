@@ -429,11 +429,3 @@ __kernel void sweeps_walk(const SweepParams params, __global const LightSweep* o
     }
     GN_END_SHARES;
 }
-
-// Adds the lights that the sweeps found to reach the points to the masks, after the open lights were traced.
-__kernel void sweeps_join(const SweepParams params, __global uint* masks, __global const uint* lit) {
-    GN_FOR_EACH(i, params.points.count * (size_t)params.bundle_count) {
-        size_t at = i / params.points.count * params.mask_stride + i % params.points.count;
-        masks[at] |= lit[at];
-    }
-}

@@ -13,6 +13,14 @@ __kernel void light_bits(const LightSumsParams params, __global const float* vis
     }
 }
 
+// Adds the lights that horizons or sweeps found to reach the points to the masks, after the open lights were traced.
+__kernel void light_join(const LightSumsParams params, __global uint* masks, __global const uint* lit) {
+    GN_FOR_EACH(i, params.point_count * (size_t)params.bundle_count) {
+        size_t at = i / params.point_count * params.mask_stride + i % params.point_count;
+        masks[at] |= lit[at];
+    }
+}
+
 // The weighted cosine of one light as a whole number: max(0, n . l), at most 1, times the weight. The three products
 // and two sums are each rounded once, in this order; the product with the weight is rounded once; the result times
 // 2^-exponent is rounded to the nearest whole number, ties to even.
