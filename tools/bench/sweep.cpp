@@ -173,9 +173,28 @@ Configuration truth_configuration() {
     throw Error("this build has no exact technique to measure the others against");
 }
 
+namespace {
+
+// A technique that no family names is in the first one if it is exact, else in one of its own.
+std::vector<Family> with_all_techniques(std::vector<Family> all) {
+    for (const TechniqueDescription& technique : techniques()) {
+        const bool is_named = std::ranges::any_of(all, [&](const Family& family) {
+            return std::ranges::find(family.techniques, technique.name) != family.techniques.end();
+        });
+        if (is_named) continue;
+        if (technique.exact)
+            all.front().techniques.push_back(technique.name);
+        else
+            all.push_back({technique.name, {technique.name}});
+    }
+    return all;
+}
+
+}  // namespace
+
 const std::vector<Family>& families() {
-    static const std::vector<Family> all{
-        {"exact", {"frustum-traced", "izb"}},
+    static const std::vector<Family> all = with_all_techniques({
+        {"exact", {}},
         {"hard shadow maps", {"shadow-map", "adaptive-bias", "dual-layer"}},
         {"filtered maps",
          {"pcf", "gaussian-12-tap", "fast-9x9", "pcss", "vsm", "vsm-remap", "vsm-edges", "vsm-mip", "layered-vsm",
@@ -184,7 +203,7 @@ const std::vector<Family>& families() {
         {"cascades, virtual maps", {"pssm", "sdsm", "stabilised-cascades", "quantised-cascades", "virtual-shadow-map"}},
         {"maps of triangles, volumes", {"sub-pixel", "conservative-map", "shadow-volumes"}},
         {"Embree", {"embree"}},
-    };
+    });
     return all;
 }
 

@@ -56,7 +56,7 @@ struct Family {
     std::string name;
     std::vector<std::string> techniques;
 };
-/// Each technique, gnomon's or a rival's, is in one of these eight at most.
+/// Each technique, gnomon's or a rival's, is in one of these.
 const std::vector<Family>& families();
 
 }  // namespace gnomon::bench
