@@ -4,6 +4,7 @@
 
 usage: check.py coq FOLDER | gappa      FOLDER: for Coq's files. Exit status 77: there is no such prover here.
 What Coq said is kept in FOLDER under a digest of the proof, the lemmas and Coq's version, and read again while it is so.
+A proof may load a text that another loads too (NAME_body.v).
 
 Fails where a prover does not accept a proof; where the kernel's constant is below the least or more than twice as large,
 unless the proof says `loose: WHY` (of one constant `loose others: WHY`); where a proof assumes more than the axioms of
@@ -40,9 +41,15 @@ def version_of_coq():
     return subprocess.run(["coqc", "--version"], capture_output=True, text=True, check=True).stdout
 
 
+def text_of(name):
+    """The text of a proof with those that it loads."""
+    text = (HERE / f"{name}.v").read_text()
+    return "\0".join([text, *map(text_of, re.findall(r"^Load (\w+)\.", text, re.M))])
+
+
 def digest(name):
     """Of all that Coq's messages about a proof depend on."""
-    texts = [(HERE / f"{of}.v").read_text() for of in [*LEMMAS, name]]
+    texts = [text_of(of) for of in [*LEMMAS, name]]
     return hashlib.sha256("\0".join([version_of_coq(), *texts]).encode()).hexdigest()
 
 
@@ -70,7 +77,7 @@ def check_coq(name, folder):
         if messages is None:
             return False
         (folder / f"{name}.said").write_text(f"{digest(name)}\n{messages}")
-    text = (HERE / f"{name}.v").read_text()
+    text = text_of(name)
     good = "Print Assumptions" in text
     if not good:
         print(f"{name} does not print what it assumes")
@@ -95,7 +102,7 @@ def run_coq(folder):
     folder.mkdir(parents=True, exist_ok=True)
     for proof in HERE.glob("*.v"):
         shutil.copy(proof, folder)
-    names = sorted(p.stem for p in HERE.glob("*.v") if p.stem not in LEMMAS)
+    names = sorted(p.stem for p in HERE.glob("*.v") if p.stem not in LEMMAS and not p.stem.endswith("_body"))
     changed = [name for name in names if said_before(name, folder) is None]
     if changed and any(coqc(name, folder) is None for name in LEMMAS):
         return 1

@@ -1,9 +1,11 @@
 (* SPDX-License-Identifier: MIT *)
-(* cut_outs.clh, lanes_texels(): a texture coordinate of one of many hits, in texels, from the float level's e (docs/numerics.md,
-   15).
+(* cut_outs.clh, lanes_texels(): a texture coordinate of one of many hits, in texels, from the float level's e; and
+   cut_out_coordinate() without double precision (docs/numerics.md, 15). Both have the same quotients and products.
      lost_near       what the e and their sum are off by, as computed;
      quotient_near   the quotient of what is computed;
-     texel_near      the coordinate in texels.
+     texel_near      the coordinate in texels;
+     alpha_near      the corners' alpha;
+     one_is_between  of a single hit, less 1/2: it lies between the computed coordinate less and plus its error, rounded.
 
    Assumed: each e is off by at most its bound less 4 % (det3_float.v has 4.8 %), the real ones have one sign and their
      sum is
@@ -74,6 +76,13 @@ Definition quotient_2_under :=
 Definition error :=
   Mul (Given greater_5 0) (Times (4404019 # 4194304) (Add (Const (1 # 1048576)) (Given quotient_2 5))).
 Definition error_rest : Q := 1 # 4194304.
+Definition of_one :=
+  texel.
+Definition of_one_rest : Q := -1 # 2.
+Definition error_of_one :=
+  Mul (Given width 0) (Mul (Given greater_4 0) (Times (4404019 # 4194304) (Add (Const (1 # 1048576)) (Given
+    quotient_2 5)))).
+Definition error_of_one_rest : Q := 1 # 8388608.
 (* end: from the kernels *)
 
 Open Scope R_scope.
@@ -234,6 +243,59 @@ Proof.
   assert (hM : h32 * M <= h32 * (M * x width)) by (apply Rmult_le_compat_l; lra).
   assert (hh : 0 <= h32 * h32 <= h32 * / 100) by (split; [apply Rmult_le_pos | apply Rmult_le_compat_l]; lra). lra.
 Qed.
+
+(* The corners' alpha at a single hit: a quotient alone, of which 2^-52 is left (cut_out_means_float.v). *)
+Theorem alpha_near s t v : computed sum s -> computed top t -> s <> 0 -> Rabs (x quotient_1 - t / s) <= h32 ->
+  D s <= 501 / 1000 -> computed (Given quotient_1 5) v ->
+  Rabs (v - U) <= M * (D s + Q2R least_term) + / 1152921504606846976.
+Proof.
+  intros Cs Ct s0 quotient usable C. assert (N := quotient_near _ _ Cs Ct s0 usable). assert (m0 := M0).
+  assert (h := h32_positive). assert (h1 := h32_below). simpl in h1.
+  apply near32 in C. unfold lost32 in C. cbn -[u32 h32 alpha] in C. assert (A := alpha_below 5 ltac:(lia)). simpl INR in A.
+  assert (MD := Rmult_le_compat_l _ _ _ m0 usable). set (q := x quotient_1) in *.
+  assert (near_q : Rabs (q - U) <= M * (97 / 100 * D s) + lost_texels + h32).
+  { replace (q - U) with ((q - t / s) + (t / s - U)) by ring. eapply Rle_trans; [apply Rabs_triang |]. lra. }
+  assert (size : Rabs q <= 1499 / 1000 * M + 2 * lost_texels).
+  { replace q with ((q - U) + U) by ring. eapply Rle_trans; [apply Rabs_triang |]. lra. }
+  assert (G := Rmult_le_compat _ _ _ _ (alpha_at_least 5) (Rabs_pos q) A size).
+  replace (Q2R least_term) with (91 / 10 * u) by (unfold Q2R, least_term; simpl; lra). destruct b0 as (b1 & b2 & b3).
+  assert (MD0 : 0 <= M * D s).
+  { apply Rmult_le_pos; auto. unfold D, Rdiv. apply Rmult_le_pos; [unfold B; assert (p0 := S0); lra |].
+    left. apply Rinv_0_lt_compat, Rabs_pos_lt, s0. }
+  replace (v - U) with ((v - q) + (q - U)) by ring. eapply Rle_trans; [apply Rabs_triang |]. lra.
+Qed.
+
+(* A single hit: 1/2 is subtracted, then the error is subtracted from that and added to it, with a rounding each. *)
+Definition least_of_one : Q := 123 # 167772160.
+Definition least_rest_of_one : Q := 12 # 167772160.
+Theorem one_is_between s t v r e l k : computed sum s -> computed top t -> s <> 0 ->
+  Rabs (x quotient_1 - t / s) <= h32 -> D s <= 501 / 1000 -> computed texel v ->
+  Rabs (r - (v - / 2)) <= u * Rabs (v - / 2) + 4 * h32 ->
+  x width * M * (D s + Q2R least_of_one) + Q2R least_rest_of_one <= e ->
+  Rabs (l - (r - e)) <= u * Rabs (r - e) + 4 * h32 -> Rabs (k - (r + e)) <= u * Rabs (r + e) + 4 * h32 ->
+  l <= U * x width - / 2 <= k.
+Proof.
+  intros Cs Ct s0 quotient usable C Hr He Hl Hk. assert (N := texel_near _ _ _ Cs Ct s0 quotient usable C).
+  replace (Q2R least_term) with (91 / 10 * u) in N by (unfold Q2R, least_term; simpl; lra).
+  replace (Q2R least_rest) with (/ 137438953472) in N by (unfold Q2R, least_rest; simpl; lra).
+  replace (Q2R least_of_one) with (123 / 10 * u) in He by (unfold Q2R, least_of_one; simpl; lra).
+  replace (Q2R least_rest_of_one) with (12 / 10 * u) in He by (unfold Q2R, least_rest_of_one; simpl; lra).
+  assert (m0 := M0). assert (h := h32_positive). assert (h1 := h32_below). simpl in h1.
+  assert (W0 : 0 <= x width * M) by (apply Rmult_le_pos; lra). destruct b0 as (b1 & b2 & b3).
+  assert (D0 : 0 <= D s).
+  { unfold D, Rdiv. apply Rmult_le_pos; [unfold B; assert (p0 := S0); lra | left; apply Rinv_0_lt_compat, Rabs_pos_lt, s0]. }
+  assert (WD0 : 0 <= x width * M * D s) by (apply Rmult_le_pos; auto).
+  assert (WD := Rmult_le_compat_l _ _ _ W0 usable).
+  assert (UW : Rabs (U * x width) <= x width * M).
+  { rewrite Rabs_mult, (Rabs_pos_eq (x width)), Rmult_comm by lra. apply Rmult_le_compat_l; lra. }
+  apply between in N, UW. set (W := x width * M) in *. set (T := U * x width) in *.
+  assert (v_in : Rabs (v - / 2) <= 15 / 10 * W + 51 / 100) by (apply Rabs_le; lra).
+  apply (at_most32 _ _ _ _ Hr) in v_in. apply between in v_in.
+  assert (r_in : Rabs (r - e) <= 151 / 100 * W + 52 / 100 + e /\ Rabs (r + e) <= 151 / 100 * W + 52 / 100 + e)
+    by (split; apply Rabs_le; lra).
+  destruct r_in as [r_l r_k]. apply (at_most32 _ _ _ _ Hl) in r_l. apply (at_most32 _ _ _ _ Hk) in r_k.
+  apply between in r_l, r_k. lra.
+Qed.
 End Hit.
 
 (* The kernel's error has the same form, times 1.05, which covers its own roundings and those of `lost`; no greater_5 of
@@ -243,10 +305,17 @@ Definition kernels_term : Q := match error with Mul _ (Times _ (Add (Const c) _)
 Lemma error_is : error = Mul (Given greater_5 0) (Times inflation (Add (Const kernels_term) (Given quotient_2 5))) /\
   quotient_2_under = Abs sum /\ quotient_2_over_constant = 2%Q /\ greater_5_other = Mul (Given width 0) (Given greater_4 0).
 Proof. repeat split; reflexivity. Qed.
+Lemma error_of_one_is : of_one = texel /\ of_one_rest = (-1 # 2)%Q /\
+  error_of_one = Mul (Given width 0) (Mul (Given greater_4 0) (Times inflation (Add (Const kernels_term) (Given quotient_2 5)))).
+Proof. repeat split; reflexivity. Qed.
 Lemma inflation_is_enough : (1 <= inflation * (999 # 1000) * (1 - alphaQ u32Q 16) /\ least_term <= kernels_term /\
-  least_rest + (1 # 2 ^ 90) <= error_rest * (1 - alphaQ u32Q 1) /\ takes (2 ^ 22) error <= 1 # 2 ^ 90)%Q.
+  least_rest + (1 # 2 ^ 90) <= error_rest * (1 - alphaQ u32Q 1) /\ takes (2 ^ 22) error <= 1 # 2 ^ 90 /\
+  least_of_one <= kernels_term /\ least_rest_of_one + (1 # 2 ^ 30) <= error_of_one_rest * (1 - alphaQ u32Q 1) /\
+  takes (2 ^ 31) error_of_one <= 1 # 2 ^ 30)%Q.
 Proof. vm_compute. repeat split; discriminate. Qed.
 Definition constants := Eval vm_compute in shown least_term kernels_term.
 Print constants.
-Definition checked := (lost_near, quotient_near, texel_near, inflation_is_enough).
+Definition rests := Eval vm_compute in shown least_of_one kernels_term.
+Print rests.
+Definition checked := (lost_near, quotient_near, texel_near, alpha_near, one_is_between, error_of_one_is, inflation_is_enough).
 Print Assumptions checked.

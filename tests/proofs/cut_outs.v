@@ -1,6 +1,6 @@
 (* SPDX-License-Identifier: MIT *)
 (* cut_outs.clh: a texture coordinate of a hit in texels, from the barycentric coordinates e and their bounds (docs/
-   numerics.md, 15), in double precision; where there is none the same operations are in float.
+   numerics.md, 15), in double precision; where there is none: cut_out_lanes.v.
 
    Assumed: the e are off by at most `bounds` together (det3_double.v, det3_float.v), the real ones have one sign and their
    sum is not 0 (the ray meets the triangle); no corner's coordinate exceeds greater_2, the largest; a quotient is off by
@@ -144,7 +144,7 @@ Proof.
 Qed.
 
 (* The coordinate in texels: the quotient, off by 5 roundings, times the side, less 1/2. The kernel's terms: 16 h, and
-   2 h + 2^-50 = 10 h. (In float 2 h: only the last rounding meets the 1/2, by h / 2.) *)
+   2 h + 2^-50 = 10 h. *)
 Definition of_side : Q := 1065 # 100.
 Definition less_half := Sub texel (Const (1 # 2)).
 Hypothesis side_in : 1 <= x side <= 65536.
