@@ -93,7 +93,7 @@ BeamParams LightMasks::params_of(const PointPart& part) const {
             .mask_stride = static_cast<cl_uint>(max_points_),
             .queue_capacity = capacity(),
             .listed_tasks = 0,
-            .rounding = factor * run_.largest_coordinate() + 1e-30f,
+            .rounding = factor * run_.largest_coordinate() + BEAM_ROUNDING_LEAST,
             .are_sectors = before_ == Before::horizons ? 1u : 0u,
             .are_packets = 0,
             .padding = 0};

@@ -23,6 +23,8 @@
 // more (tests/proofs/tree.v, boxes.v).
 #define BEAM_ROUNDING 4e-6f
 #define BEAM_ROUNDING_OF_POSITIONS 8e-6f
+// At the least: rays_in_box() replaces coordinates of D below 2^-100 by 2^-100, which moves a ray by less.
+#define BEAM_ROUNDING_LEAST 1e-30f
 
 GN_STRUCT_BEGIN(BeamParams)
     TrianglesLayout triangles;
@@ -31,9 +33,7 @@ GN_STRUCT_BEGIN(BeamParams)
     uint mask_stride;  // masks[bundle mask_stride + point]: bit l is light l of the bundle
     uint queue_capacity;
     uint listed_tasks;  // number of tasks in TASKS_LEFT to process; 0: all tasks
-    // A bound of the rounding errors of n . X, for coordinates of n up to 1: BEAM_ROUNDING times the largest
-    // coordinate. At least 1e-30, since rays_in_box() replaces coordinates of D below 2^-100 by 2^-100, which moves a
-    // ray by less than this bound.
+    // Of n . X, for coordinates of n up to 1: BEAM_ROUNDING times the largest coordinate, and BEAM_ROUNDING_LEAST.
     float rounding;
     uint are_sectors;  // 1: a bundle with a direction along the ground (light_bundle.h) is a sector
     uint are_packets;  // 1: a CPU decides all pairs by packets

@@ -9,7 +9,8 @@
 // origin, and D has met a rounding.
 __kernel void probe(float low, float high, float P, float rounding, float inverse, float rounded_inverse, float origin,
                     float side, __global float* enter, __global float* leave, __global float* moved_low,
-                    __global float* moved_high, __global float* reached, __global float* less, __global float* factor) {
+                    __global float* moved_high, __global float* reached, __global float* less, __global float* factor,
+                    __global float* of_nothing) {
     LaneFloat at = reached_at(P, inverse);
     LaneFloat first = reached_at((LaneFloat)(low)-rounding, inverse) - at;
     LaneFloat last = reached_at((LaneFloat)(high) + rounding, inverse) - at;
@@ -18,4 +19,5 @@ __kernel void probe(float low, float high, float P, float rounding, float invers
     *moved_low = from_low.s0, *moved_high = from_high.s0;
     LaneFloat t = reached_at(side, rounded_inverse);
     *reached = t.s0, *less = LESS_THAN_ONE, *factor = BEAM_ROUNDING;
+    *of_nothing = BEAM_ROUNDING_LEAST;
 }

@@ -6,8 +6,8 @@
      moved_low_is_low, moved_high_is_high   a side relative to the rays' origin, and moved by `rounding`, is still outside;
      reached_is_near, interval_is_kept  rays from an origin, whose D has met one rounding: t = side / D.
 
-   Assumed: no coordinate exceeds L, at most 2^100; `rounding` is at least 0.9999 of BEAM_ROUNDING L + 1e-30 (the host rounds
-   it twice), and at most L + 1e-30; a quotient is off by 2.5 ulp; a parallel ray's D is at most 2, another's 2 + 3 L (the
+   Assumed: no coordinate exceeds L, at most 2^100; `rounding` is at least 0.9999 of BEAM_ROUNDING L + BEAM_ROUNDING_LEAST (the host rounds
+   it twice), and at most L + 2^-98; a quotient is off by 2.5 ulp; a parallel ray's D is at most 2, another's 2 + 3 L (the
    difference of two points). Denormals may be kept or flushed: `rounding` leaves 40 u L + 1e-31 (left), and that over D is
    more than what underflow takes of t (left_is_enough). Here D > 0; where D < 0 all signs turn. In prose: the coordinates of D
    that are replaced by 2^-40 or 2^-100, since they are smaller, move a ray by less than `rounding` has left; a packet's box
@@ -39,6 +39,8 @@ Definition less :=
   Const (16777199 # 16777216).
 Definition factor :=
   Const (8796093 # 2199023255552).
+Definition of_nothing :=
+  Const (332307 # 332306998946228968225951765070086144).
 (* end: from the kernels *)
 
 Open Scope R_scope.
@@ -188,19 +190,21 @@ Proof.
   replace (Q2R least_less) with (151 / 167772160) in Hone by (unfold Q2R, least_less; simpl; lra).
   apply between in Hb. apply between in He. assert (G := Rmult_le_compat_l b _ _ b0 Hone). lra.
 Qed.
-Lemma rounding_is_enough : forall L r factor, 0 <= L -> 4 / 1000000 - / 10 ^ 12 <= factor ->
-  9999 / 10000 * (factor * L + / 10 ^ 30) <= r ->
+Lemma rounding_is_enough : forall L r factor least, 0 <= L -> 4 / 1000000 - / 10 ^ 12 <= factor -> / 10 ^ 30 <= least ->
+  9999 / 10000 * (factor * L + least) <= r ->
   Q2R least_factor * L + Q2R least_rest <= r /\ 66 * u * L + 99 / 100 * / 10 ^ 30 <= r.
 Proof.
-  intros L r factor l0 f0 r0. assert (G := Rmult_le_compat_r L _ _ l0 f0).
+  intros L r factor least l0 f0 n0 r0. assert (G := Rmult_le_compat_r L _ _ l0 f0).
   replace (Q2R least_factor) with (161 / 10 * u) by (unfold Q2R, least_factor; simpl; lra).
   replace (Q2R least_rest) with (/ 2 ^ 110) by (unfold Q2R, least_rest; simpl; lra). split; lra.
 Qed.
 Definition of_expr e := match e with Const q => q | _ => 0%Q end.
+Lemma kernel_is_enough : ((4 # 1000000) - (1 # 10 ^ 12) <= of_expr factor /\ 1 # 10 ^ 30 <= of_expr of_nothing <= 1 # 2 ^ 99)%Q.
+Proof. vm_compute. repeat split; discriminate. Qed.
 Definition constants := Eval vm_compute in shown least_less (1 - of_expr less)%Q.
 Print constants.
 Definition rests := Eval vm_compute in shown least_factor (of_expr factor).
 Print rests.
 Definition checked := (enter_is_early, leave_is_late, moved_low_is_low, moved_high_is_high, reached_is_near,
-  left_is_enough, interval_is_kept, rounding_is_enough).
+  left_is_enough, interval_is_kept, rounding_is_enough, kernel_is_enough).
 Print Assumptions checked.

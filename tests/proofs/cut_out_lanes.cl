@@ -3,8 +3,8 @@
 #define GN_CUT_OUTS
 #include "exact/cut_outs.clh"
 
-// A texture coordinate of one of many hits in texels, and its error, from the float level's e and their bounds; and, less
-// 1/2, of a single hit where there is no double precision.
+// A texture coordinate of one of many hits in texels, and its error, from the float level's e and their bounds; and,
+// less 1/2, of a single hit where there is no double precision.
 __kernel void probe(float e_a, float e_b, float e_c, float bound_a, float bound_b, float bound_c, float3 u, float3 v,
                     uint width, uint height, __global float* sum, __global float* lost, __global float* texel,
                     __global float* error, __global float* of_one, __global float* error_of_one) {

@@ -106,6 +106,22 @@ noticed receivers/light_frame.cl 's/1\.0e-18f/1.0e-20f/' frame_fit.v
 refused frame_fit
 noticed prepared/prepared_facing.clh 's/0x1p-120f/0x1p-125f/' prepared_facing.v
 refused prepared_facing
+# Limits of what a proof assumes of its inputs; least terms of margins.
+noticed receivers/light_frame.h 's/LARGEST_EXTENT 1\.0e30f/LARGEST_EXTENT 1.3e30f/' frame_errors.v
+refused frame_errors
+refused frame_fit
+noticed receivers/light_frame.h 's/SMALLEST_W 1\.0e-15f/SMALLEST_W 4.0e-16f/' frame_errors.v
+refused frame_errors
+refused prepared_boxes
+noticed prepared/prepared_facing.clh 's/PLANE_LEAST 0x1p-60f/PLANE_LEAST 0x1p-61f/' prepared_facing.v
+refused prepared_facing
+noticed occluders/triangle_records.clh 's/EDGE_NEAR 1\.0e-30f/EDGE_NEAR 4.0e-32f/' edge_functions.v
+refused edge_functions
+noticed beams/beam.h 's/BEAM_ROUNDING_LEAST 1e-30f/BEAM_ROUNDING_LEAST 9e-31f/' boxes.v
+refused boxes
+refused leaf_extents
+noticed beams/beam.h 's/BEAM_ROUNDING_LEAST 1e-30f/BEAM_ROUNDING_LEAST 7e-34f/' tree.v
+refused tree
 # A bound that lacks one of its two; a plane's factor; a mean's; terms of the camera's rays and of its intervals.
 noticed receivers/backfacing.cl 's/1\.01f \* (bound_a + bound_b)/1.01f * bound_a/' two_determinants.v
 refused two_determinants

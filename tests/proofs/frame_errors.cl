@@ -8,7 +8,7 @@ __kernel void probe(float3 point, float3 center, __constant const float* row, __
                     float2 raw_low, float2 raw_high, float3 low, float3 high, float2 shear, uint width,
                     __global float* value, __global float* height, __global float* point_error,
                     __global float* height_error, __global float* ratio, __global float* ratio_error,
-                    __global float* inverse_error) {
+                    __global float* inverse_error, __global float* largest_extent, __global float* smallest) {
     PointBlock d = difference((PointBlock){point.x, point.y, point.z}, (PointBlock){center.x, center.y, center.z});
     float x = lanes_row_dot(row, d), z = lanes_row_dot(row_of_heights, d);
     *value = x, *height = z, *ratio = x / z;
@@ -24,4 +24,5 @@ __kernel void probe(float3 point, float3 center, __constant const float* row, __
     *point_error = projection.point_error, *height_error = projection.height_error;
     fit_perspective(frame, bounds, &projection);
     *ratio_error = projection.point_error, *inverse_error = projection.height_error;
+    *largest_extent = LARGEST_EXTENT, *smallest = SMALLEST_W;
 }

@@ -163,6 +163,10 @@ Definition ratio_error :=
     4194304) (Given width 0))).
 Definition inverse_error :=
   Const (7 # 8388608).
+Definition largest_extent :=
+  Const (1000000015047466219876688855040 # 1).
+Definition smallest :=
+  Const (9444733 # 9444732965739290427392).
 (* end: from the kernels *)
 
 Open Scope R_scope.
@@ -218,9 +222,9 @@ Hypotheses (row_is : x row = s) (row_1_is : x row_1 = 0) (row_2_near : Rabs (x r
 (* The reaches before the 1 % (greater_9 and greater_8). *)
 Hypotheses (in_reach_x : d_x <= (1 + 2 * u) * x greater_9 + 8 * h).
 Hypothesis (in_reach_z : d_z <= (1 + 2 * u) * x greater_8 + 8 * h).
-Hypotheses (s_in : s <= 2 ^ 76) (s_z_in : s * x greater_8 <= 2 ^ 36) (z_in : 0 <= x greater_8 <= 10 ^ 30) (shear_in : Rabs (x
+Hypotheses (s_in : s <= 2 ^ 76) (s_z_in : s * x greater_8 <= 2 ^ 36) (z_in : 0 <= x greater_8 <= 101 * 10 ^ 28) (shear_in : Rabs (x
   shear_x) <= 1).
-Hypotheses (x_in : 0 <= x greater_9 <= 10 ^ 30) (s_x_in : s * x greater_9 <= 2 ^ 36) (offset_in : / 5 <= Rabs (x row_3)).
+Hypotheses (x_in : 0 <= x greater_9 <= 101 * 10 ^ 28) (s_x_in : s * x greater_9 <= 2 ^ 36) (offset_in : / 5 <= Rabs (x row_3)).
 Definition real_coordinate := s * (x point_x - x center_x) - s * slope * (x point_z - x center_z) + x row_3.
 Definition size_of_row := Rabs (x row_3) + s * (x greater_9 + Rabs (x shear_x) * x greater_8).
 
@@ -231,7 +235,7 @@ Proof.
   assert (h0 := h32_powers). assert (z0 : 0 <= d_z) by apply Rabs_pos. assert (sz : 0 <= s * d_z) by (apply Rmult_le_pos; lra).
   assert (sh : 0 <= s * h) by (apply Rmult_le_pos; lra).
   assert (hs : s * h <= 2 ^ 76 * / 2 ^ 126) by (apply Rmult_le_compat; lra).
-  assert (hz : h * d_z <= / 2 ^ 126 * (1001 / 1000 * 10 ^ 30)) by (apply Rmult_le_compat; lra).
+  assert (hz : h * d_z <= / 2 ^ 126 * (1001 / 1000 * (101 * 10 ^ 28))) by (apply Rmult_le_compat; lra).
   assert (sz1 := Rmult_le_compat_l s _ _ ltac:(lra) in_reach_z).
   assert (hsz : h * (s * d_z) <= / 2 ^ 126 * 2 ^ 40) by (apply Rmult_le_compat; lra).
   assert (hz0 : 0 <= h * d_z) by (apply Rmult_le_pos; lra). assert (hsz0 : 0 <= h * (s * d_z)) by (apply Rmult_le_pos; lra).
@@ -270,7 +274,7 @@ Proof.
   assert (W' : 0 <= s * g * x greater_8) by (apply Rmult_le_pos; lra).
   assert (gh : s * g * h <= s * 1 * h) by (apply Rmult_le_compat_r; [lra | apply Rmult_le_compat_l; lra]).
   assert (h2 := Rmult_le_compat_l h _ _ ltac:(lra) r2).
-  assert (hx : 0 <= h * d_x <= / 2 ^ 126 * (1001 / 1000 * 10 ^ 30)).
+  assert (hx : 0 <= h * d_x <= / 2 ^ 126 * (1001 / 1000 * (101 * 10 ^ 28))).
   { split; [apply Rmult_le_pos | apply Rmult_le_compat]; lra. }
   unfold real_coordinate, size_of_row in *. fold g. apply between in C, G3. apply Rabs_le. lra.
 Qed.
@@ -395,6 +399,11 @@ Definition of_heights : Q := match height_error with Times c (Times d _) => c * 
 Definition of_ratios : Q * Q := match ratio_error with Times c (Add (Times d _) (Times e _)) => (c * d, c * (d + e))%Q |
   _ => (0%Q, 0%Q) end.
 Definition of_inverse : Q := match inverse_error with Const c => c | _ => 0%Q end.
+Definition value_of e : Q := match e with Const c => c | _ => 0%Q end.
+(* A point's W is a difference that rounds once, its distance from the center that of two floats. *)
+Lemma range_is_enough : Qle_bool (1 # 2 ^ 51) (value_of smallest * (1 - (8 # 2 ^ 24))) = true /\
+  Qle_bool (value_of largest_extent * (1 + (8 # 2 ^ 24))) (101 * 10 ^ 28) = true.
+Proof. vm_compute. auto. Qed.
 Definition least_point : Q := 86 # 167772160.
 Definition least_texels : Q := 96 # 167772160.
 Lemma kernels_are_enough :
@@ -409,5 +418,5 @@ Print constants.
 Definition rests := Eval vm_compute in shown least_texels (Qred (snd of_ratios)).
 Print rests.
 Definition checked :=
-  (reach_is_enough, coordinate_near, height_near, ratio_near, inverse_near, bounds_are, kernels_are_enough).
+  (reach_is_enough, coordinate_near, height_near, ratio_near, inverse_near, bounds_are, range_is_enough, kernels_are_enough).
 Print Assumptions checked.

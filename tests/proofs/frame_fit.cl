@@ -7,7 +7,8 @@
 // `raw_high`; the raw coordinate of one of the points, and its coordinate in the grid.
 __kernel void probe(float3 low, float3 high, float2 raw_low, float2 raw_high, float2 shear, uint width, float3 point,
                     float3 center, __constant const float* row, __global float* scale, __global float* row_z,
-                    __global float* offset, __global float* raw, __global float* value) {
+                    __global float* offset, __global float* raw, __global float* value,
+                    __global float* largest_extent) {
     LightFrame frame = {{0.0f}};
     frame.axis_x = 0u, frame.axis_y = 1u, frame.axis_z = 2u;
     frame.sign_z = 1.0f;
@@ -19,6 +20,7 @@ __kernel void probe(float3 low, float3 high, float2 raw_low, float2 raw_high, fl
     fit_parallel(frame, bounds, &projection);
     *scale = projection.row_x[0], *row_z = projection.row_x[2], *offset = projection.row_x[3];
     PointBlock at = {point.x, point.y, point.z};
+    *largest_extent = LARGEST_EXTENT;
     *raw = grid_values(frame, at).x;
     *value = lanes_row_dot(row, difference(at, (PointBlock){center.x, center.y, center.z}));
 }

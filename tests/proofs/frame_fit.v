@@ -10,7 +10,7 @@
    Assumed: no coordinate of a point exceeds M, the greater of all; the shear is at most 1; the bounds are raw coordinates
    of points; the center is a float's rounding of their middle, and one entry of the row is 0 (here the second; the order
    of the others changes nothing: prose); a quotient is off by 2.5 ulp; at most 2^16 texels. Denormals may be kept
-   or flushed: coordinates are below 2^100 (LARGEST_EXTENT, else the frame is indistinct) and the extent is at least the
+   or flushed: coordinates are below LARGEST_EXTENT (else the frame is indistinct), which is below 2^100, and the extent is at least the
    kernel's 1e-18, so that underflow takes less than 2^-13 texels. In prose: a face of a point light has ratios up to 1
    in place of coordinates, and no center: the same steps without some. Overflow: coordinates are below 1e30. *)
 From Coq Require Import Reals QArith Qreals Lra Psatz.
@@ -79,6 +79,8 @@ Definition offset :=
   Sub (Const (1 # 4)) (Mul (Given quotient_1 0) (Sub (Sub (Given raw_low_x 0) (Times (1 # 524288) (Given greater_6
     0))) (Sub (Add (Times (1 # 2) (Given high_x 0)) (Times (1 # 2) (Given low_x 0))) (Mul (Add (Times (1 # 2) (Given
     high_z 0)) (Times (1 # 2) (Given low_z 0))) (Given shear_x 0))))).
+Definition largest_extent :=
+  Const (1000000015047466219876688855040 # 1).
 Definition raw :=
   Sub (Given point_x 0) (Mul (Given point_z 0) (Given shear_x 0)).
 Definition value :=
@@ -324,8 +326,10 @@ Proof.
 Qed.
 End Fit.
 Definition least_extent : Q := match greater_7_other with Const c => c | _ => 0%Q end.
+Definition extent_of e : Q := match e with Const c => c | _ => 0%Q end.
 Lemma kernel_is_enough : Qle_bool least_padding kernels_padding = true /\ Qle_bool kernels_padding (100 # 16777216) = true /\
-  Qle_bool ((1 + (7 # 2 ^ 24)) * 65536) (2 ^ 76 * least_extent) = true.
+  Qle_bool ((1 + (7 # 2 ^ 24)) * 65536) (2 ^ 76 * least_extent) = true /\
+  Qle_bool (extent_of largest_extent + (1 # 2 ^ 90)) (2 ^ 100) = true.
 Proof. vm_compute. auto. Qed.
 
 Definition constants := Eval vm_compute in shown least_padding kernels_padding.

@@ -7,7 +7,7 @@
 // are compared.
 __kernel void probe(float3 A, float3 B, float3 C, float3 O, __global const LightAxes* axes, float3 low, float3 high,
                     float rounding, __global float* corner, __global float* triangle_high, __global float* box_low,
-                    __global float* factor) {
+                    __global float* factor, __global float* of_nothing) {
     TurnedLeaf t;
     LightAxes same = *axes;
     turn_corners(&t, same_in_lanes(A), same_in_lanes(B), same_in_lanes(C), O, &same);
@@ -19,5 +19,5 @@ __kernel void probe(float3 A, float3 B, float3 C, float3 O, __global const Light
     frame.axes = same;
     set_rays(&block, &frame, rounding);
     *box_low = block.low_u;
-    *factor = BEAM_ROUNDING;
+    *factor = BEAM_ROUNDING, *of_nothing = BEAM_ROUNDING_LEAST;
 }

@@ -6,7 +6,7 @@
      outside_is_outside                     so a triangle that is left out is outside by 4 u L.
 
    Assumed: the axis has unit length to 10^-4, so that its coordinates add up to at most 1.733; no coordinate of a
-   corner or a point exceeds L; `rounding` is at least 0.9999 of BEAM_ROUNDING L + 1e-30, and at most L + 1.
+   corner or a point exceeds L; `rounding` is at least 0.9999 of BEAM_ROUNDING L + BEAM_ROUNDING_LEAST, and at most L + 1.
    Denormals may be kept or flushed. A greater of two is at least both, and one of them; dot() rounds each product
    and each sum, in any order. In prose: that the axis is not exactly perpendicular to D moves a coordinate by at
    most 3 u L. Overflow: coordinates are at most 2^19. *)
@@ -65,6 +65,8 @@ Definition box_low :=
     same_0_0_2 0)) (Times (1 # 2) (Diff high_z low_z)))) (Given rounding 0)).
 Definition factor :=
   Const (8796093 # 2199023255552).
+Definition of_nothing :=
+  Const (332307 # 332306998946228968225951765070086144).
 (* end: from the kernels *)
 
 Open Scope R_scope.
@@ -205,8 +207,9 @@ Proof.
 Qed.
 End Axis.
 Definition kernels_factor : Q := match factor with Const c => c | _ => 0%Q end.
-Lemma kernel_is_enough : (least_factor <= kernels_factor)%Q.
-Proof. vm_compute. discriminate. Qed.
+Definition kernels_rest : Q := match of_nothing with Const c => c | _ => 0%Q end.
+Lemma kernel_is_enough : (least_factor <= kernels_factor /\ 1 # 10 ^ 30 <= kernels_rest)%Q.
+Proof. vm_compute. split; discriminate. Qed.
 Definition constants := Eval vm_compute in shown least_factor kernels_factor.
 Print constants.
 Definition checked := (corner_near, triangle_near, box_near, outside_is_outside, kernel_is_enough).

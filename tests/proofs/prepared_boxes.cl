@@ -5,7 +5,7 @@
 // towards the triangles, and where the greatest raw coordinate of triangles is moved to, whose coordinates are up to
 // `largest`.
 __kernel void probe(float3 point, float2 shear, float3 light, float high, float largest, __global float* raw,
-                    __global float* moved, __global float* lit_high, __global float* ratio) {
+                    __global float* moved, __global float* lit_high, __global float* ratio, __global float* smallest) {
     LightFrame frame = {{0.0f}};
     frame.axis_x = 0u, frame.axis_y = 1u, frame.axis_z = 2u;
     frame.sign_z = 1.0f;
@@ -15,5 +15,5 @@ __kernel void probe(float3 point, float2 shear, float3 light, float high, float 
     *raw = raw_x, *moved = raw_x - prepared_margin(at), *lit_high = high + prepared_padding(largest);
     frame.perspective = 1u;
     frame.light[0] = light.x, frame.light[1] = light.y, frame.light[2] = light.z;
-    *ratio = grid_values(frame, at).x;
+    *ratio = grid_values(frame, at).x, *smallest = SMALLEST_W;
 }

@@ -37,6 +37,8 @@ Definition quotient_1_over :=
 Definition quotient_1_under :=
   Diff point_z light_z.
 Definition ratio := Given quotient_1 0.
+Definition smallest :=
+  Const (9444733 # 9444732965739290427392).
 (* end: from the kernels *)
 
 Open Scope R_scope.
@@ -168,8 +170,9 @@ Proof.
   eapply Rle_trans; [apply Rabs_triang |]. lra.
 Qed.
 
+Definition smallest_w : Q := match smallest with Const c => c | _ => 0%Q end.
 Lemma kernels_are_enough : (least_points <= of_points /\ of_points <= 100 * u32Q /\ least_triangles <= of_triangles /\
-  of_triangles <= 100 * u32Q)%Q.
+  of_triangles <= 100 * u32Q /\ 1 # 2 ^ 101 <= (1 # 2) * smallest_w * smallest_w)%Q.
 Proof. vm_compute. repeat split; discriminate. Qed.
 Definition constants := Eval vm_compute in shown least_points of_points.
 Print constants.

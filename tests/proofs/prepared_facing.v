@@ -34,6 +34,8 @@ Definition value :=
     b_y a_y) (Diff c_z a_z)) (Mul (Diff b_z a_z) (Diff c_y a_y))))) (Mul (Given a_y 0) (Mul (Given scale 0) (Sub
     (Mul (Diff b_z a_z) (Diff c_x a_x)) (Mul (Diff b_x a_x) (Diff c_z a_z)))))) (Mul (Given a_z 0) (Mul (Given scale
     0) (Sub (Mul (Diff b_x a_x) (Diff c_y a_y)) (Mul (Diff b_y a_y) (Diff c_x a_x))))))).
+Definition plane_least :=
+  Const (1 # 1152921504606846976).
 Definition size :=
   Add (Abs (Given E 0)) (Given A 0).
 (* bound: where size <= 1.2676506002282294e+30 *)
@@ -197,6 +199,11 @@ Proof.
   lra.
 Qed.
 End Plane.
+(* A scale is half the inverse of a power of two that is at least PLANE_LEAST, which is one as well. *)
+Definition least_size : Q := match plane_least with Const c => c | _ => 0%Q end.
+Lemma scale_is_enough : Qle_bool (1 # 2) (576460752303423488 * least_size) = true.
+Proof. vm_compute. reflexivity. Qed.
 Definition constants := Eval vm_compute in shown least_bound bound_constant.
 Print constants.
-Print Assumptions error.
+Definition checked := (error, scale_is_enough).
+Print Assumptions checked.

@@ -4,7 +4,7 @@
    plane is never computed beyond the plane's limit, so that no node and no triangle that a ray meets is left out.
 
    Assumed: no coordinate of the normal exceeds 1, none of points and triangles L; `rounding` is at least 0.9999 of
-   BEAM_ROUNDING L + 1e-30 (the host rounds it twice). Denormals may be kept or flushed. In prose (docs/numerics.md,
+   BEAM_ROUNDING L + BEAM_ROUNDING_LEAST (the host rounds it twice). Denormals may be kept or flushed. In prose (docs/numerics.md,
    16): that a beam's rays lie on that side, which the host verifies in double, or which holds for any normal (point
    lights; the lights' own limits round by as much); that the farthest corner of a box along a normal is the one
    that its signs choose. Boxes of rays and packets: boxes.v. *)
@@ -32,6 +32,8 @@ Definition factor :=
   Const (8796093 # 2199023255552).
 Definition factor_of_positions :=
   Const (8796093 # 1099511627776).
+Definition of_nothing :=
+  Const (332307 # 332306998946228968225951765070086144).
 (* end: from the kernels *)
 
 Section Plane.
@@ -76,7 +78,7 @@ Proof.
 Qed.
 End Plane.
 Definition of_expr e := match e with Const q => q | _ => 0%Q end.
-Lemma host_is_enough : Qle_bool least_rest ((9999 # 10000) * (1 # 10 ^ 30)) = true /\
+Lemma host_is_enough : Qle_bool least_rest ((9999 # 10000) * of_expr of_nothing) = true /\
   Qle_bool least_factor ((9999 # 10000) * of_expr factor) = true /\
   Qle_bool least_factor ((9999 # 10000) * of_expr factor_of_positions) = true.
 Proof. vm_compute. auto. Qed.

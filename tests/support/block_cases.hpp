@@ -41,7 +41,7 @@ struct BlockCase {
 
 /// The bound of rounding errors that beams are given for a largest coordinate (LightMasks::params_of()).
 inline float beam_rounding(float largest, bool are_positions) {
-    return (are_positions ? 8e-6f : 4e-6f) * largest + 1e-30f;
+    return (are_positions ? BEAM_ROUNDING_OF_POSITIONS : BEAM_ROUNDING) * largest + BEAM_ROUNDING_LEAST;
 }
 
 /// P + t D, where D is the light's direction or runs from P to the light.
