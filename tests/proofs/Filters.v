@@ -737,10 +737,92 @@ Proof.
 Qed.
 Lemma seen32_positive v w : seen32 v w -> (0 < w -> 0 < v) /\ (0 <= v -> 0 <= w).
 Proof. intros [-> | [_ ->]]; split; intros; lra. Qed.
+Fixpoint positive x e : Prop :=
+  match e with
+  | Const q => 0 <= Q2R q
+  | Given i k => k = O /\ 0 <= x i
+  | Abs _ => True
+  | Times q a => 0 <= Q2R q /\ positive x a
+  | Add a b | Mul a b => positive x a /\ positive x b
+  | _ => False
+  end.
+Lemma positive_is x e v : positive x e -> computes32 x e v -> 0 <= v.
+Proof.
+  intros P C. revert P. induction C; cbn [positive]; try tauto; intros P;
+    try match goal with H : rounds32 _ _ |- _ => apply (proj2 (rounds32_positive _ _ H)) end.
+  - destruct P as [-> P]. replace v with (x i); [exact P |]. symmetry. apply (given32_is x i). now constructor.
+  - apply Rmult_le_pos; [tauto |]. apply (proj2 (seen32_positive _ _ H)); tauto.
+  - apply Rabs_pos.
+  - apply Rplus_le_le_0_compat; [apply (proj2 (seen32_positive _ _ H)) | apply (proj2 (seen32_positive _ _ H0))]; tauto.
+  - apply Rmult_le_pos; [apply (proj2 (seen32_positive _ _ H)) | apply (proj2 (seen32_positive _ _ H0))]; tauto.
+Qed.
 
 (* What is within b of 0 is off by at most u b, and what it was. *)
 Lemma at_most32 v s b l : Rabs (v - s) <= / 16777216 * Rabs s + l -> Rabs s <= b -> Rabs (v - s) <= / 16777216 * b + l.
 Proof. intros. assert (/ 16777216 * Rabs s <= / 16777216 * b) by (apply Rmult_le_compat_l; lra). lra. Qed.
+
+(* What has only positive terms is computed at least as this, from what its operands are at least. *)
+Lemma seen32_least p s A : seen32 p s -> 0 <= A <= p -> 0 <= s /\ A - h32 <= s.
+Proof. assert (h := h32_positive). intros [-> | [small ->]] ?; [split; lra |]. rewrite Rabs_pos_eq in small by lra. split; lra. Qed.
+Lemma rounds32_least s v : rounds32 s v -> 0 <= s -> (1 - / 16777216) * s - h32 <= v.
+Proof. intros R s0. apply one_rounding32 in R. rewrite (Rabs_pos_eq s s0) in R. apply between in R. lra. Qed.
+Lemma least_given x i v : computes32 x (Given i 0) v -> x i <= v.
+Proof. intros C. apply given32_is in C. lra. Qed.
+Lemma least_const x q v : computes32 x (Const q) v -> Q2R q <= v.
+Proof. intros C. apply const32_is in C. lra. Qed.
+Lemma least_abs x a A v : computes32 x (Abs a) v -> (forall p, computes32 x a p -> A <= Rabs p) -> A - h32 <= v.
+Proof.
+  intros C H. inversion C as [ | | | | | ? p s Cp S | | | | ]; subst. apply H in Cp. apply seen32_near in S.
+  assert (T := Rabs_triang_inv p (p - s)). replace (p - (p - s)) with s in T by ring. rewrite Rabs_minus_sym in S. lra.
+Qed.
+Lemma least_abs_given x i v : computes32 x (Abs (Given i 0)) v -> Rabs (x i) - h32 <= v.
+Proof. intros C. apply (least_abs _ _ _ _ C). intros p Cp. apply given32_is in Cp. subst. lra. Qed.
+Lemma least_abs_diff x i j v : computes32 x (Abs (Diff i j)) v ->
+  (1 - / 16777216) * Rabs (x i - x j) - 5 * h32 <= v.
+Proof.
+  intros C. replace ((1 - / 16777216) * Rabs (x i - x j) - 5 * h32) with
+    ((1 - / 16777216) * Rabs (x i - x j) - 4 * h32 - h32) by ring.
+  apply (least_abs _ _ _ _ C). intros p Cp. apply step32_diff in Cp.
+  assert (T := Rabs_triang_inv (x i - x j) (x i - x j - p)). rewrite (Rabs_minus_sym p) in Cp.
+  replace (x i - x j - (x i - x j - p)) with p in T by ring. lra.
+Qed.
+Lemma least_add x a b A B v : computes32 x (Add a b) v -> 0 <= A -> 0 <= B ->
+  (forall p, computes32 x a p -> A <= p) -> (forall q, computes32 x b q -> B <= q) ->
+  (1 - / 16777216) * (A + B) - 4 * h32 <= v.
+Proof.
+  intros C A0 B0 HA HB. inversion C as [ | | | | | | ? ? p q s t ? Cp Cq S T R | | | ]; subst. apply HA in Cp. apply HB in Cq.
+  destruct (seen32_least _ _ _ S (conj A0 Cp)). destruct (seen32_least _ _ _ T (conj B0 Cq)).
+  apply rounds32_least in R; [| lra]. assert (h := h32_positive).
+  assert (G := Rmult_le_compat_l (1 - / 16777216) (A + B - 2 * h32) (s + t) ltac:(lra) ltac:(lra)). lra.
+Qed.
+Lemma least_mul x a b A B v : computes32 x (Mul a b) v -> 0 <= A -> 0 <= B ->
+  (forall p, computes32 x a p -> A <= p) -> (forall q, computes32 x b q -> B <= q) ->
+  (1 - / 16777216) * (A * B) - h32 * (A + B + 1) <= v.
+Proof.
+  intros C A0 B0 HA HB. inversion C as [ | | | | | | | | ? ? p q s t ? Cp Cq S T R | ]; subst. apply HA in Cp. apply HB in Cq.
+  destruct (seen32_least _ _ _ S (conj A0 Cp)) as [s0 s1]. destruct (seen32_least _ _ _ T (conj B0 Cq)) as [t0 t1].
+  apply rounds32_least in R; [| now apply Rmult_le_pos]. assert (h := h32_positive).
+  assert (AB : A * B - h32 * (A + B) <= s * t).
+  { destruct (Rle_dec h32 A) as [a1 | a1].
+    - destruct (Rle_dec h32 B) as [c1 | c1].
+      + assert (G := Rmult_le_compat (A - h32) s (B - h32) t ltac:(lra) ltac:(lra) s1 t1).
+        assert (0 <= h32 * h32) by (apply Rmult_le_pos; lra). lra.
+      + assert (G := Rmult_le_compat_l A B h32 A0 ltac:(lra)). assert (0 <= h32 * B) by (apply Rmult_le_pos; lra).
+        assert (0 <= s * t) by (now apply Rmult_le_pos). lra.
+    - assert (G := Rmult_le_compat_r B A h32 B0 ltac:(lra)). assert (0 <= h32 * A) by (apply Rmult_le_pos; lra).
+      assert (0 <= s * t) by (now apply Rmult_le_pos). lra. }
+  assert (G := Rmult_le_compat_l (1 - / 16777216) _ _ ltac:(lra) AB).
+  assert (0 <= h32 * (A + B)) by (apply Rmult_le_pos; lra). lra.
+Qed.
+Lemma least_times x q a A v : computes32 x (Times q a) v -> 0 <= Q2R q -> 0 <= A -> (forall p, computes32 x a p -> A <= p) ->
+  (1 - / 16777216) * (Q2R q * A) - h32 * (Q2R q + 1) <= v.
+Proof.
+  intros C q0 A0 HA. inversion C as [ | | | ? ? p s ? Cp S R | | | | | | ]; subst. apply HA in Cp.
+  destruct (seen32_least _ _ _ S (conj A0 Cp)) as [s0 s1]. assert (h := h32_positive).
+  apply rounds32_least in R; [| now apply Rmult_le_pos]. assert (G := Rmult_le_compat_l _ _ _ q0 s1).
+  assert (G2 := Rmult_le_compat_l (1 - / 16777216) _ _ ltac:(lra) G).
+  assert (0 <= Q2R q * h32) by (apply Rmult_le_pos; lra). lra.
+Qed.
 
 (* The same in double. *)
 Definition any64 : Q := 2 ^ 1025.
