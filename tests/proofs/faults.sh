@@ -52,6 +52,12 @@ noticed occluders/triangle_records.clh 's/PLANE_NEAR 0x1p-80f/PLANE_NEAR 0x1p-82
 refused planes
 noticed occluders/triangle_records.clh 's/largest \* (8.0f \* GN_U)/largest * (6.5f * GN_U)/' planes_in_perspective.v
 refused planes_in_perspective
+noticed occluders/triangle_records.clh 's/side_error_1 \* side_error_2 \* 2.0f/side_error_1 * side_error_2/' planes_in_perspective.v
+refused planes_in_perspective
+noticed occluders/triangle_records.clh 's/UNDERFLOW 0x1p-90f/UNDERFLOW 0x1p-96f/' planes_in_perspective.v
+refused planes_in_perspective
+noticed occluders/triangle_records.clh 's/PLANE_NEAR 0x1p-80f/PLANE_NEAR 0x1p-96f/' planes_in_perspective.v
+refused planes_in_perspective
 noticed packets/parallel_packets.clh 's/PACKET_BOUND_OF_POINT 6.2e-7f/PACKET_BOUND_OF_POINT 5.8e-7f/' packets.v
 refused packets
 noticed beams/beam_intersect.clh 's/return side - origin + by/return side + by - origin/' boxes.v

@@ -1,20 +1,21 @@
 (* SPDX-License-Identifier: MIT *)
-(* triangle_records.clh, set_plane_parallel(): how far a plane's height at a point of the grid may be from the real
-  plane's
-   at the real point (docs/numerics.md, 4). Three parts, each a theorem:
-     rounding              the computed height, from the record's numbers: 20 u L;
-     n_x_near and so on    the normal: delta_x, delta_y, delta_z;
-     plane_moves           what errors of normal, corner and point do to the height: the margin's quotient and error_z.
+(* triangle_records.clh, set_plane_parallel(): how far a plane's height at a point of the grid may be from the real plane's at
+   the real point (docs/numerics.md, 4):
+     rounding, of_quotients  the computed height, from the record's numbers: 20 u L, and what underflow takes;
+     n_x_near and so on      the normal: delta_x, delta_y, delta_z;
+     plane_moves             what errors of normal, corner and point do to the height: the margin's quotient and error_z;
+     quotient_is_enough      that quotient as it is computed, by over_least and under_most, times 1.0085;
+     margin_near             the margin, from its quotients.
    height_error on top is the point's own.
 
-   Assumed: x and y of corners are off by at most `error`, from 2^-24 on, z by error_z, from 2^-91 on (projection.v); |X|,
-   |Y|, |a_x| and |a_y| are at most what L multiplies the slopes with, which is from 1 (a bin has a texel) to 2^40 (vertices
-   from 1e12 on are out of range); a quotient is off by 2.5 ulp, and a slope by 2^-126 more. Denormals may be kept or flushed:
-   what that takes of the normal is less than 2^-8 of the delta, what it takes of the height and of the margin's sums is in
-   PLANE_NEAR. In prose: what it takes of the margin's quotient, whose sums are 2^-113 at the least (rho is half a texel at
-   least, and delta_x 2^-112), with a delta_z below 3 safe_n_z. `safe_n_z` subtracts 1.01 delta_z and rounds once: at most |n_z| less the real
-   delta_z. Overflow: no height is certain where the margin is infinite. *)
-From Coq Require Import Reals QArith Qreals Lra Psatz.
+   Assumed: x and y of corners are off by at most `error`, from 2^-24 on, z by error_z, from 2^-90 on (projection.v); |X|, |Y|,
+   |a_x| and |a_y| are at most what L multiplies the slopes with, which is from 1 (a bin has a texel) to 2^40 (vertices from
+   1e12 on are out of range); largest_offset(), greater_3, is half a texel at least (edge_functions.v, rho_has, with W = 1); a
+   quotient is off by 2.5 ulp and by 2^-126, as a slope is; safe_n_z is more than a quarter of |n_z|, which the kernel asks,
+   here a fifth. The computed n is one float wherever it is used. Denormals may be kept or flushed: what that takes of the normal
+   is less than 2^-8 of the delta, of the quotient's sums a third of a hundredth, of the rest it is in PLANE_NEAR. Overflow: no
+   height is certain where the margin is infinite. *)
+From Coq Require Import Reals QArith Qreals Lra Lia Psatz.
 From Flocq Require Import Core.
 Require Import Roundings Devices Filters.
 
@@ -249,12 +250,12 @@ Hypotheses (y1_near : Rabs (y1 - (x b_y - x a_y)) <= e) (y2_near : Rabs (y2 - (x
 Hypotheses (z1_near : Rabs (z1 - (x b_z - x a_z)) <= e_z) (z2_near : Rabs (z2 - (x c_z - x a_z)) <= e_z).
 
 (* Denormals may be kept or flushed: errors are at least what projection.v has. *)
-Hypotheses (error_in : / 2 ^ 24 <= x error) (error_z_in : / 2 ^ 91 <= x error_z).
+Hypotheses (error_in : / 2 ^ 24 <= x error) (error_z_in : / 2 ^ 90 <= x error_z).
 Local Notation h := h32.
 Lemma h_below_errors : 0 < h <= / 2 ^ 126 /\ h <= / 2 ^ 30 * x error_z /\ h <= / 2 ^ 30 * x error /\
-  0 <= x error * x error /\ / 2 ^ 115 <= x error * x error_z /\ / 2 ^ 48 <= x error * x error.
+  0 <= x error * x error /\ / 2 ^ 114 <= x error * x error_z /\ / 2 ^ 48 <= x error * x error.
 Proof.
-  assert (h0 := h32_powers). assert (E := Rmult_le_compat (/ 2 ^ 24) (x error) (/ 2 ^ 91) (x error_z) ltac:(lra) ltac:(lra)
+  assert (h0 := h32_powers). assert (E := Rmult_le_compat (/ 2 ^ 24) (x error) (/ 2 ^ 90) (x error_z) ltac:(lra) ltac:(lra)
     error_in error_z_in).
   assert (F := Rmult_le_compat (/ 2 ^ 24) (x error) (/ 2 ^ 24) (x error) ltac:(lra) ltac:(lra) error_in error_in).
   repeat split; lra.
@@ -288,6 +289,258 @@ Theorem n_y_near v : computes32 x n_y v -> Rabs ((z1 * x2 - x1 * z2) - v) <= (1 
 Proof. intros C. near z1_near x2_near x1_near z2_near v C n_y. errors_are_positive. lra. Qed.
 Theorem n_z_near v : computes32 x n_z v -> Rabs ((x1 * y2 - y1 * x2) - v) <= (1 + / 256) * real x delta_z.
 Proof. intros C. near x1_near y2_near y1_near x2_near v C n_z. errors_are_positive. lra. Qed.
+
+(* ---- The quotient of the margin, as it is computed ---- *)
+Definition R_sum := Add (Add (Given error 0) (Given greater_3 0)) (Given point_error 0).
+Definition E_sum := Add (Given error 0) (Given point_error 0).
+Lemma over_is : quotient_4_over = Add (Add (Add (Mul delta_x R_sum) (Mul delta_y R_sum)) (Mul delta_z (Given quotient_3 5)))
+    (Mul (Add (Abs n_x) (Abs n_y)) E_sum) /\
+  quotient_3_over = Mul (Add (Abs n_x) (Abs n_y)) R_sum /\
+  quotient_3_under = Sub (Abs n_z) (Times inflation delta_z) /\ quotient_4_under = quotient_3_under.
+Proof. repeat split. Qed.
+Ltac positive_products :=
+  assert (e0 : 0 <= x error) by (simpl in *; lra); assert (z0 : 0 <= x error_z) by (simpl in *; lra);
+  repeat match goal with |- context [Rabs ?y] => lazymatch goal with
+    | _ : 0 <= Rabs y * x error |- _ => fail
+    | _ => assert (0 <= Rabs y * x error) by (apply Rmult_le_pos; [apply Rabs_pos | exact e0]);
+           assert (0 <= Rabs y * x error_z) by (apply Rmult_le_pos; [apply Rabs_pos | exact z0]) end end.
+Lemma delta_least d v : List.In d (delta_x :: delta_y :: delta_z :: nil)%list -> computes32 x d v ->
+  (1 - / 500) * real x d <= v /\ / 2 ^ 111 <= real x d.
+Proof.
+  intros I C. apply near32 in C.
+  assert (F : lost32 x d <= / 900 * real x d /\ / 2 ^ 111 <= real x d /\ permanent x d = real x d).
+  { destruct I as [<- | [<- | [<- | []]]]; (repeat split;
+      [unfold lost32; cbn -[u32 h32 Q2R]; unfold of_product, alpha; rewrite ?u32_value; simpl pow | cbn -[Q2R] |
+       cbn -[Q2R]; rewrite ?Rabs_Rabsolu, ?(Rabs_pos_eq (x error)), ?(Rabs_pos_eq (x error_z)), ?(Rabs_pos_eq (Q2R _))
+         by (try (unfold Q2R; simpl); simpl in *; lra); reflexivity]);
+    rewrite ?(Rabs_pos_eq (Q2R _)), ?(Rabs_pos_eq (x error)), ?(Rabs_pos_eq (x error_z)), ?Rabs_Rabsolu
+      by (try (unfold Q2R; simpl); simpl in *; lra);
+    replace (Q2R 2) with 2 by (unfold Q2R; simpl; lra); replace (Q2R (1 # 4194304)) with (/ 4194304) by (unfold Q2R; simpl; lra);
+    errors_are_positive;
+    positive_products;
+    assert (g1 := Rmult_le_compat_l _ _ _ e0 hz); assert (g2 := Rmult_le_compat_l _ _ _ z0 he);
+    assert (g3 := Rmult_le_compat_l _ _ _ e0 he); assert (g4 := Rmult_le_pos _ _ e0 (Rlt_le _ _ (proj1 h0)));
+    assert (g5 := Rmult_le_pos _ _ z0 (Rlt_le _ _ (proj1 h0)));
+    simpl in *; lra. }
+  destruct F as (F1 & F2 & F3). rewrite F3 in C. split; [| exact F2].
+  assert (A : alpha u32 (roundings d) <= 16 * (1 + / 1048576) * / 16777216).
+  { eapply Rle_trans; [apply (alpha_grows u32 (bpow_ge_0 _ _) _ 16) | eapply Rle_trans; [apply alpha_below |]; simpl INR; [lia | lra]].
+    destruct I as [<- | [<- | [<- | []]]]; vm_compute; lia. }
+  assert (P0 : 0 <= real x d) by (simpl in *; lra). assert (G := Rmult_le_compat_r _ _ _ P0 A). apply between in C. lra.
+Qed.
+Lemma deltas_in : / 2 ^ 111 <= real x delta_x /\ / 2 ^ 111 <= real x delta_y /\ / 2 ^ 111 <= real x delta_z.
+Proof.
+  repeat split; cbn -[Q2R]; replace (Q2R 2) with 2 by (unfold Q2R; simpl; lra);
+    replace (Q2R (1 # 4194304)) with (/ 4194304) by (unfold Q2R; simpl; lra); errors_are_positive; positive_products; simpl in *; lra.
+Qed.
+Lemma delta_z_in : / 2 ^ 45 <= real x delta_z.
+Proof.
+  cbn -[Q2R]; replace (Q2R 2) with 2 by (unfold Q2R; simpl; lra);
+    replace (Q2R (1 # 4194304)) with (/ 4194304) by (unfold Q2R; simpl; lra); errors_are_positive; positive_products; simpl in *; lra.
+Qed.
+
+(* N is the computed n, which is the same float wherever it is used; rho is half a texel at least (edge_functions.v). *)
+Variables N_x N_y N_z : R.
+Hypotheses (N_x_is : forall p, computes32 x n_x p -> Rabs p = N_x) (N_y_is : forall p, computes32 x n_y p -> Rabs p = N_y).
+Hypotheses (N_z_is : forall p, computes32 x n_z p -> Rabs p = N_z) (N_x0 : 0 <= N_x) (N_y0 : 0 <= N_y).
+Hypotheses (greater_3_in : / 2 <= x greater_3) (point_error0 : 0 <= x point_error).
+Let rho := real x R_sum.
+Let reach_error := real x E_sum.
+Local Notation u := (/ 16777216).
+Lemma sums_in : / 2 <= rho /\ / 2 ^ 24 <= reach_error <= rho.
+Proof. unfold rho, reach_error. cbn. assert (E := error_in). simpl in *. repeat split; lra. Qed.
+Lemma rho_least v : computes32 x R_sum v -> (1 - 3 * u) * rho <= v.
+Proof.
+  intros C. assert (E := error_in). destruct h32_powers as [h0 hh]. unfold rho. cbn. simpl in *.
+  assert (given : forall i p, computes32 x (Given i 0) p -> x i <= p) by (intros; now apply (least_given x i)).
+  assert (M : forall p, computes32 x (Add (Given error 0) (Given greater_3 0)) p ->
+    (1 - u) * (x error + x greater_3) - 4 * h <= p).
+  { intros p D. apply (least_add x _ _ (x error) (x greater_3) p D); auto; lra. }
+  assert (N := least_add x _ _ ((1 - u) * (x error + x greater_3) - 4 * h) (x point_error) v C ltac:(lra) point_error0 M
+    (given point_error)).
+  lra.
+Qed.
+Lemma reach_error_least v : computes32 x E_sum v -> (1 - 2 * u) * reach_error <= v.
+Proof.
+  intros C. assert (E := error_in). destruct h32_powers as [h0 hh]. unfold reach_error. cbn. simpl in *.
+  assert (given : forall i p, computes32 x (Given i 0) p -> x i <= p) by (intros; now apply (least_given x i)).
+  assert (N := least_add x _ _ (x error) (x point_error) v C ltac:(lra) point_error0 (given error) (given point_error)). lra.
+Qed.
+Lemma size_least v : computes32 x (Add (Abs n_x) (Abs n_y)) v -> Rmax 0 ((1 - u) * (N_x + N_y) - 7 * h) <= v.
+Proof.
+  intros C. destruct h32_powers as [h0 hh]. apply Rmax_lub; [exact (positive_is x (Add (Abs n_x) (Abs n_y)) v (conj I I) C) |].
+  assert (one : forall n N, (forall p, computes32 x n p -> Rabs p = N) -> forall p, computes32 x (Abs n) p -> Rmax 0 (N - h) <= p).
+  { intros n N H p D. apply Rmax_lub; [exact (positive_is x (Abs n) p I D) |].
+    apply (least_abs x n N p D). intros q Cq. rewrite (H q Cq). lra. }
+  assert (M := least_add x _ _ (Rmax 0 (N_x - h)) (Rmax 0 (N_y - h)) v C (Rmax_l _ _) (Rmax_l _ _) (one _ _ N_x_is) (one _ _ N_y_is)).
+  assert (M1 := Rmax_r 0 (N_x - h)). assert (M2 := Rmax_r 0 (N_y - h)). lra.
+Qed.
+(* With what is lost of the product of delta_z, which may underflow where no other does. *)
+Hypothesis quotient_3_positive : 0 <= x quotient_3.
+Let D_x := real x delta_x. Let D_y := real x delta_y. Let D_z := real x delta_z.
+Theorem over_least v : computes32 x quotient_4_over v ->
+  (1 - / 300) * (D_x * rho + D_y * rho + D_z * x quotient_3 + (N_x + N_y) * reach_error) - 2 * h * D_z <= v.
+Proof.
+  rewrite (proj1 over_is). intros C. destruct h32_powers as [h0 hh]. destruct sums_in as [r0 [s0 s1]].
+  assert (dx : forall p, computes32 x delta_x p -> (1 - / 500) * D_x <= p) by (intros p D; apply (delta_least delta_x p ltac:(cbn; tauto) D)).
+  assert (dy : forall p, computes32 x delta_y p -> (1 - / 500) * D_y <= p) by (intros p D; apply (delta_least delta_y p ltac:(cbn; tauto) D)).
+  assert (dz : forall p, computes32 x delta_z p -> (1 - / 500) * D_z <= p) by (intros p D; apply (delta_least delta_z p ltac:(cbn; tauto) D)).
+  assert (least : / 2 ^ 111 <= D_x /\ / 2 ^ 111 <= D_y /\ / 2 ^ 111 <= D_z) by exact deltas_in.
+  destruct least as (x0 & y0 & z0). simpl in h0, hh, x0, y0, z0, s0.
+  assert (q : forall p, computes32 x (Given quotient_3 5) p -> (1 - 6 * u) * x quotient_3 <= p).
+  { intros p D. apply near32 in D. unfold lost32 in D. cbn -[u32 h32 alpha] in D. assert (A := alpha_below 5 ltac:(lia)). simpl INR in A.
+    rewrite (Rabs_pos_eq (x quotient_3)) in D by exact quotient_3_positive.
+    assert (G := Rmult_le_compat_r _ _ _ quotient_3_positive A). apply between in D. lra. }
+  assert (of_rho : forall d D, / 2 ^ 111 <= D -> (forall p, computes32 x d p -> (1 - / 500) * D <= p) -> forall p,
+    computes32 x (Mul d R_sum) p -> (1 - / 450) * (D * rho) <= p).
+  { intros d D D0 H p Cp. simpl in D0.
+    assert (M := least_mul x _ _ ((1 - / 500) * D) ((1 - 3 * u) * rho) p Cp ltac:(lra) ltac:(lra) H rho_least).
+    assert (k1 := Rmult_le_compat_l D _ _ ltac:(lra) r0). assert (k2 := Rmult_le_compat_r rho _ _ ltac:(lra) D0).
+    assert (k3 := Rmult_le_compat_r D _ _ ltac:(lra) (proj2 h0)). assert (k4 := Rmult_le_compat_r rho _ _ ltac:(lra) (proj2 h0)).
+    assert (k5 := Rmult_le_pos h D ltac:(lra) ltac:(lra)). assert (k6 := Rmult_le_pos h rho ltac:(lra) ltac:(lra)). lra. }
+  assert (q0 := quotient_3_positive). set (Q3 := x quotient_3) in *.
+  assert (hq : 0 <= h * Q3 <= / 2 ^ 126 * Q3) by (split; [apply Rmult_le_pos; lra | apply Rmult_le_compat_r; simpl; lra]).
+  assert (hz : 0 <= h * D_z) by (apply Rmult_le_pos; lra). simpl in hq.
+  assert (zz : / 2 ^ 45 <= D_z) by exact delta_z_in. simpl in zz. assert (zq := Rmult_le_compat_r Q3 _ _ q0 zz).
+  assert (of_z : forall p, computes32 x (Mul delta_z (Given quotient_3 5)) p ->
+    Rmax 0 ((1 - / 450) * (D_z * Q3) - h * D_z - 2 * h) <= p).
+  { intros p Cp. assert (M := least_mul x _ _ ((1 - / 500) * D_z) ((1 - 6 * u) * Q3) p Cp ltac:(lra) ltac:(lra) dz q). apply Rmax_lub; [| lra].
+    assert (zq0 : 0 <= D_z * Q3) by (apply Rmult_le_pos; lra).
+    inversion Cp as [ | | | | | | | | ? ? a b sa sb ? Ca Cb Sa Sb R | ]; subst. apply dz in Ca. apply q in Cb.
+    apply (proj2 (rounds32_positive _ _ R)). apply Rmult_le_pos; [apply (proj2 (seen32_positive _ _ Sa)) | apply (proj2
+      (seen32_positive _ _ Sb))]; lra. }
+  set (N := N_x + N_y) in *. assert (N0 : 0 <= N) by (unfold N; lra).
+  assert (hN : 0 <= h * N <= / 2 ^ 126 * N) by (split; [apply Rmult_le_pos; lra | apply Rmult_le_compat_r; simpl; lra]).
+  simpl in hN. assert (Ns := Rmult_le_compat_l N _ _ N0 s0). assert (hs := Rmult_le_compat_l h _ _ ltac:(lra) s1).
+  assert (hs0 : 0 <= h * reach_error) by (apply Rmult_le_pos; lra).
+  assert (of_size : forall p, computes32 x (Mul (Add (Abs n_x) (Abs n_y)) E_sum) p ->
+    Rmax 0 ((1 - / 450) * (N * reach_error) - 9 * h * rho - 2 * h) <= p).
+  { intros p Cp. set (B := Rmax 0 ((1 - u) * N - 7 * h)).
+    assert (M := least_mul x _ _ B ((1 - 2 * u) * reach_error) p Cp (Rmax_l _ _) ltac:(lra) size_least reach_error_least).
+    assert (B1 : (1 - u) * N - 7 * h <= B) by apply Rmax_r. assert (B2 : B <= N) by (apply Rmax_lub; lra).
+    assert (B3 := Rmult_le_compat_r reach_error _ _ ltac:(lra) B1). assert (B4 := Rmult_le_compat_l h _ _ ltac:(lra) B2).
+    assert (N1 : 0 <= N * reach_error) by (apply Rmult_le_pos; lra). apply Rmax_lub; [| lra].
+    inversion Cp as [ | | | | | | | | ? ? a b sa sb ? Ca Cb Sa Sb R | ]; subst. apply size_least in Ca.
+    apply reach_error_least in Cb. assert (a0 := Rle_trans _ _ _ (Rmax_l _ _) Ca).
+    apply (proj2 (rounds32_positive _ _ R)). apply Rmult_le_pos; [apply (proj2 (seen32_positive _ _ Sa)) | apply (proj2
+      (seen32_positive _ _ Sb))]; lra. }
+  assert (ox := of_rho delta_x D_x ltac:(simpl; lra) dx). assert (oy := of_rho delta_y D_y ltac:(simpl; lra) dy).
+  assert (X0 : / 2 ^ 112 <= D_x * rho) by (assert (K := Rmult_le_compat (/ 2 ^ 111) D_x (/ 2) rho ltac:(simpl; lra) ltac:(lra) ltac:(simpl; lra) r0); simpl in *; lra).
+  assert (Y0 : / 2 ^ 112 <= D_y * rho) by (assert (K := Rmult_le_compat (/ 2 ^ 111) D_y (/ 2) rho ltac:(simpl; lra) ltac:(lra) ltac:(simpl; lra) r0); simpl in *; lra).
+  assert (hr : h * rho <= / 2 ^ 14 * (D_x * rho)).
+  { assert (K := Rmult_le_compat_r rho h (/ 2 ^ 14 * D_x) ltac:(lra) ltac:(simpl; lra)). lra. }
+  simpl in X0, Y0, hr.
+  set (S1 := (1 - u) * ((1 - / 450) * (D_x * rho) + (1 - / 450) * (D_y * rho)) - 4 * h).
+  assert (M1 : forall p, computes32 x (Add (Mul delta_x R_sum) (Mul delta_y R_sum)) p -> S1 <= p).
+  { intros p D. unfold S1. apply (least_add x _ _ ((1 - / 450) * (D_x * rho)) ((1 - / 450) * (D_y * rho)) p D); auto; lra. }
+  set (Z := Rmax 0 ((1 - / 450) * (D_z * Q3) - h * D_z - 2 * h)) in *. set (S2 := (1 - u) * (S1 + Z) - 4 * h).
+  assert (Z0 : 0 <= Z) by apply Rmax_l. assert (S10 : / 2 ^ 113 <= S1) by (unfold S1; simpl; lra). simpl in S10.
+  assert (M2 : forall p, computes32 x (Add (Add (Mul delta_x R_sum) (Mul delta_y R_sum)) (Mul delta_z (Given quotient_3 5))) p ->
+    S2 <= p).
+  { intros p D. unfold S2. apply (least_add x _ _ S1 Z p D); auto; lra. }
+  assert (z3 : (1 - / 450) * (D_z * Q3) - h * D_z - 2 * h <= Z) by apply Rmax_r.
+  assert (n3 := Rmax_r 0 ((1 - / 450) * (N * reach_error) - 9 * h * rho - 2 * h)).
+  assert (n4 := Rmax_l 0 ((1 - / 450) * (N * reach_error) - 9 * h * rho - 2 * h)).
+  assert (M3 := least_add x _ _ S2 _ v C ltac:(unfold S2; lra) n4 M2 of_size). unfold S2, S1 in M3.
+  assert (zq0 : 0 <= D_z * Q3) by (apply Rmult_le_pos; lra). assert (N1 : 0 <= N * reach_error) by (apply Rmult_le_pos; lra).
+  lra.
+Qed.
+Lemma over_3_least v : computes32 x quotient_3_over v ->
+  (1 - / 2 ^ 21) * ((N_x + N_y) * rho) - 9 * h * rho - 2 * h <= v /\ 0 <= v.
+Proof.
+  rewrite (proj1 (proj2 over_is)). intros C. destruct h32_powers as [h0 hh]. destruct sums_in as [r0 _]. simpl in h0.
+  set (N := N_x + N_y) in *. assert (N0 : 0 <= N) by (unfold N; lra). set (B := Rmax 0 ((1 - u) * N - 7 * h)).
+  assert (M := least_mul x _ _ B ((1 - 3 * u) * rho) v C (Rmax_l _ _) ltac:(lra) size_least rho_least).
+  assert (B1 : (1 - u) * N - 7 * h <= B) by apply Rmax_r. assert (B2 : B <= N) by (apply Rmax_lub; lra).
+  assert (B3 := Rmult_le_compat_r rho _ _ ltac:(lra) B1). assert (B4 := Rmult_le_compat_l h _ _ ltac:(lra) B2).
+  assert (N1 : 0 <= N * rho) by (apply Rmult_le_pos; lra). assert (N2 := Rmult_le_compat_l N _ _ N0 r0).
+  assert (hN : 0 <= h * N <= / 2 ^ 126 * N) by (split; [apply Rmult_le_pos; lra | apply Rmult_le_compat_r; simpl; lra]).
+  assert (hr : 0 <= h * rho) by (apply Rmult_le_pos; lra). simpl in hN. split; [simpl; lra |].
+  inversion C as [ | | | | | | | | ? ? a b sa sb ? Ca Cb Sa Sb R | ]; subst. apply size_least in Ca.
+  apply rho_least in Cb. assert (a0 := Rle_trans _ _ _ (Rmax_l _ _) Ca).
+  apply (proj2 (rounds32_positive _ _ R)). apply Rmult_le_pos; [apply (proj2 (seen32_positive _ _ Sa)) | apply (proj2
+    (seen32_positive _ _ Sb))]; lra.
+Qed.
+Theorem under_most w : computes32 x quotient_4_under w -> 0 < w -> w <= (1 + 2 * u) * (N_z - (1 + / 256) * D_z).
+Proof.
+  rewrite (proj2 (proj2 (proj2 over_is))), (proj1 (proj2 (proj2 over_is))). intros C w0.
+  destruct h32_powers as [h0 hh]. simpl in h0. assert (zz : / 2 ^ 45 <= D_z) by exact delta_z_in. simpl in zz.
+  destruct (step32_sub _ _ _ _ C) as (p & t & Cp & Ct & R).
+  assert (p_is : p <= N_z + h).
+  { inversion Cp as [ | | | | | ? q s Cq S | | | | ]; subst. apply N_z_is in Cq. apply seen32_near in S.
+    assert (T := Rabs_triang (s - q) q). replace (s - q + q) with s in T by ring. lra. }
+  assert (i : 10099 / 10000 <= Q2R inflation <= 2).
+  { replace (10099 / 10000) with (Q2R (10099 # 10000)) by (unfold Q2R; simpl; lra). rewrite <- Q2R_2.
+    split; apply Qle_Rle, Qle_bool_iff; vm_compute; reflexivity. }
+  assert (M := least_times x inflation delta_z ((1 - / 500) * D_z) t Ct ltac:(lra) ltac:(lra)
+    ltac:(intros q D; apply (delta_least delta_z q ltac:(cbn; tauto) D))).
+  assert (iz := Rmult_le_compat_r ((1 - / 500) * D_z) _ _ ltac:(lra) (proj1 i)).
+  assert (ih := Rmult_le_compat_l h _ _ ltac:(lra) (proj2 i)).
+  destruct (Rle_dec 0 (p - t)) as [pos | neg].
+  - rewrite (Rabs_pos_eq (p - t)) in R by exact pos. apply between in R. lra.
+  - rewrite (Rabs_left (p - t)) in R by lra. apply between in R. lra.
+Qed.
+(* So the margin's quotient is at least what plane_moves asks for, with the normal's errors of n_x_near and so on. *)
+Definition of_quotient : Q := 1 + (85 # 10000).
+Theorem quotient_is_enough v w v_3 : computes32 x quotient_4_over v -> computes32 x quotient_4_under w ->
+  computes32 x quotient_3_over v_3 -> Rabs (x quotient_3 - v_3 / w) <= h -> 0 < w -> N_z <= 5 * w ->
+  let d_x := (1 + / 256) * D_x in let d_y := (1 + / 256) * D_y in let d_z := (1 + / 256) * D_z in
+  (d_x * rho + d_y * rho + d_z * ((N_x + N_y) * rho / N_z) + (N_x + N_y) * reach_error) / (N_z - d_z) <=
+  Q2R of_quotient * (v / w) + / 2 ^ 110.
+Proof.
+  intros Cv Cw C3 H3 w0 usable d_x d_y d_z. assert (V := over_least _ Cv). assert (W := under_most _ Cw w0).
+  destruct (over_3_least _ C3) as [V3 v30]. destruct h32_powers as [h0 hh]. destruct sums_in as [r0 [s0 s1]].
+  destruct deltas_in as (x0 & y0 & z0). fold D_x in x0. fold D_y in y0. fold D_z in z0.
+  replace (Q2R of_quotient) with (10085 / 10000) by (unfold Q2R, of_quotient; simpl; lra).
+  set (N := N_x + N_y) in *. assert (N0 : 0 <= N) by (unfold N; lra). fold d_z in W. set (G := N_z - d_z) in *.
+  simpl in h0, x0, y0, z0, s0.
+  assert (G0 : 0 < G) by lra. assert (dz0 : 0 <= d_z) by (unfold d_z; lra). assert (Nz : 0 < N_z) by (unfold G in G0; lra).
+  assert (IG := Rinv_0_lt_compat _ G0). assert (Iw := Rinv_0_lt_compat _ w0). assert (IN := Rinv_0_lt_compat _ Nz).
+  assert (Gw : / G <= (1 + 2 * u) * / w).
+  { apply Rmult_le_reg_r with G; [exact G0 |]. rewrite Rinv_l by lra.
+    assert (K := Rmult_le_compat_r (/ w) _ _ ltac:(lra) W). rewrite Rinv_r in K by lra. lra. }
+  assert (wN : / N_z <= (1 + 2 * u) * / w).
+  { apply Rle_trans with (/ G); [| exact Gw]. apply Rinv_le_contravar; [exact G0 | unfold G; lra]. }
+  (* rho_z, from the computed quotient. *)
+  set (q := N * rho * / N_z). assert (Nr : 0 <= N * rho) by (apply Rmult_le_pos; lra).
+  assert (hr : h * rho <= / 2 ^ 15 * (D_x * rho)).
+  { assert (K := Rmult_le_compat_r rho h (/ 2 ^ 15 * D_x) ltac:(lra) ltac:(simpl; lra)). lra. }
+  assert (hr0 : 0 <= h * rho) by (apply Rmult_le_pos; lra). simpl in hr.
+  assert (Z1 : d_z * / N_z <= 1).
+  { apply Rmult_le_reg_r with N_z; [exact Nz |]. rewrite Rmult_assoc, Rinv_l by lra. unfold G in G0. lra. }
+  assert (Z2 : 0 <= d_z * / N_z) by (apply Rmult_le_pos; lra).
+  assert (q_is : d_z * q <= (1 + / 2 ^ 18) * (d_z * x quotient_3) + (1 + / 2 ^ 18) * (d_z * h) + 11 * (h * rho) + 3 * h).
+  { assert (K1 : v_3 * / N_z <= (1 + 2 * u) * (v_3 / w)).
+    { assert (K := Rmult_le_compat_l v_3 _ _ v30 wN). unfold Rdiv. lra. }
+    apply between in H3. assert (K2 : v_3 * / N_z <= (1 + 2 * u) * (x quotient_3 + h)) by lra.
+    assert (K3 := Rmult_le_compat_r (/ N_z) _ _ ltac:(lra) V3).
+    assert (K4 : (1 - / 2 ^ 21) * q <= v_3 * / N_z + (9 * (h * rho) + 2 * h) * / N_z) by (unfold q; lra).
+    assert (K5 := Rmult_le_compat_l d_z _ _ dz0 K4). assert (K6 := Rmult_le_compat_l d_z _ _ dz0 K2).
+    assert (K7 := Rmult_le_compat_r (9 * (h * rho) + 2 * h) _ _ ltac:(lra) Z1).
+    assert (q0 : 0 <= q) by (unfold q; apply Rmult_le_pos; lra). assert (K8 := Rmult_le_pos _ _ dz0 q0).
+    assert (K9 := Rmult_le_pos _ _ dz0 quotient_3_positive). assert (Ka := Rmult_le_pos _ _ dz0 (Rlt_le _ _ (proj1 h0))).
+    simpl in *. lra. }
+  set (T := d_x * rho + d_y * rho + d_z * q + N * reach_error).
+  assert (xr : 0 <= D_x * rho) by (apply Rmult_le_pos; lra). assert (yr : 0 <= D_y * rho) by (apply Rmult_le_pos; lra).
+  assert (zr : 0 <= D_z * x quotient_3) by (apply Rmult_le_pos; [lra | exact quotient_3_positive]).
+  assert (Ne : 0 <= N * reach_error) by (apply Rmult_le_pos; lra).
+  assert (hz : 0 <= h * D_z) by (apply Rmult_le_pos; lra).
+  assert (hx : h <= / 2 ^ 14 * (D_x * rho)).
+  { assert (K := Rmult_le_compat (/ 2 ^ 111) D_x (/ 2) rho ltac:(simpl; lra) ltac:(lra) ltac:(simpl; lra) r0). simpl in *. lra. }
+  simpl in hx.
+  assert (T_is : T <= 10084 / 10000 * v + 5 * (h * D_z)) by (unfold T, d_x, d_y, d_z in *; simpl in q_is; lra).
+  assert (v0 : 0 <= 10084 / 10000 * v + 5 * (h * D_z)).
+  { eapply Rle_trans; [| exact T_is]. unfold T, d_x, d_y, d_z, q. repeat first [lra | apply Rplus_le_le_0_compat | apply Rmult_le_pos]. }
+  replace (d_x * rho + d_y * rho + d_z * (N * rho / N_z) + N * reach_error) with T by (unfold T, q, Rdiv; ring).
+  unfold Rdiv. eapply Rle_trans; [apply Rmult_le_compat; [| lra | exact T_is | exact Gw] |].
+  - unfold T, d_x, d_y, d_z, q. repeat first [lra | apply Rplus_le_le_0_compat | apply Rmult_le_pos].
+  - assert (zw : D_z * / w <= 5).
+    { apply Rmult_le_reg_r with w; [exact w0 |]. rewrite Rmult_assoc, Rinv_l by lra. unfold G, d_z in G0. lra. }
+    assert (K := Rmult_le_compat_l h _ _ ltac:(lra) zw). assert (hzw : 0 <= h * (D_z * / w)) by (apply Rmult_le_pos; [lra |
+      apply Rmult_le_pos; lra]). assert (vw : - (5 * (h * (D_z * / w))) <= 10084 / 10000 * (v * / w)).
+    { assert (K2 := Rmult_le_compat_r (/ w) _ _ ltac:(lra) v0). lra. }
+    simpl in *. lra.
+Qed.
 End Plane.
 
 (* The heights of two planes: z through `a` with the normal n, as they are computed, and Z through A with the normal
@@ -340,21 +593,19 @@ Proof.
 Qed.
 End Moved.
 
-(* What the margin multiplies with 1.01 has only positive terms, so that it is computed at least at this much of its
-  size;
-   the quotients have met 5 roundings more each. *)
-Definition deepest := (roundings margin + roundings quotient_4_over + roundings quotient_4_under + 10)%nat.
-Lemma inflation_is_enough : Qle_bool (1 + (1 # 2 ^ 8)) (inflation * (1 - alphaQ u32Q deepest)) = true.
+(* What the margin multiplies with 1.01 has only positive terms, so that it is computed at least at this much of its size; its
+   quotient has met 5 roundings more. *)
+Lemma inflation_is_enough : Qle_bool of_quotient (inflation * (1 - alphaQ u32Q (roundings margin + 5))) = true.
 Proof. vm_compute. reflexivity. Qed.
 
 (* What underflow takes of a height, of its slopes and of the margin, and in proportion to L. *)
 Lemma kernel_is_enough :
-  ((1 # 2 ^ 82) + (1 # 2 ^ 84) + (1 # 2 ^ 96) <= of_nothing * (1 - (1 # 2 ^ 20)) /\
+  ((1 # 2 ^ 82) + (1 # 2 ^ 84) + (1 # 2 ^ 96) + (1 # 2 ^ 109) <= of_nothing * (1 - (1 # 2 ^ 20)) /\
    least_bound + (1 # 2 ^ 100) <= of_largest)%Q.
 Proof. vm_compute. split; discriminate. Qed.
 
 Definition constants := Eval vm_compute in shown least_bound of_largest.
 Print constants.
-Definition checked := (rounding, of_quotients, margin_near, n_x_near, n_y_near, n_z_near, plane_moves, inflation_is_enough,
-  kernel_is_enough).
+Definition checked := (rounding, of_quotients, margin_near, n_x_near, n_y_near, n_z_near, over_least, under_most,
+  quotient_is_enough, plane_moves, inflation_is_enough, kernel_is_enough).
 Print Assumptions checked.
