@@ -76,6 +76,10 @@ refused sweeps
 noticed horizons/sweeps.h 's/SWEEP_LOST 0x1p-80f/SWEEP_LOST 0x1p-81f/' sweeps.v
 refused sweeps
 noticed horizons/sweeps.cl 's/(a + share \* (b - a)) - climb/a + (share * (b - a) - climb/; s/climb \* farther;/climb * farther);/' sweeps.v
+noticed horizons/sweeps.cl 's/0\.25f \* share/0.2f * share/' sweeps.v
+refused sweeps
+noticed horizons/sweeps.cl 's/-1\.0f - share/share - 1.0f/' sweeps.v
+refused sweeps
 noticed horizons/height_field.h 's/FIELD_NEAR 0x1p-40f/FIELD_NEAR 0x1p-60f/' horizons.v
 refused horizons
 noticed horizons/strip_triangle.clh 's/HEIGHT_NEAR 0x1p-16f/HEIGHT_NEAR 0x1p-18f/' slopes.v
