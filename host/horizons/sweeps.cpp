@@ -99,7 +99,9 @@ void set_margins(LightSweep& sweep, const SeenLight& light, const BuiltRaster& r
     const double uneven = away * (raster.steepest(0) + raster.steepest(1) + light.climb);
     const double heights = raster.highest(), plane = light.climb * sweep.lines;
     const double crossings = double(SWEEP_CROSSING_ERROR) * (heights + light.climb * (SWEEP_NEAR + 1));
-    sweep.margin = float(1.01 * (uneven + rounding * (128 * heights + 32 * plane)) + double(SWEEP_LOST));
+    sweep.margin =
+        float(1.01 * (uneven + rounding * (SWEEP_HEIGHT_ROUNDINGS * heights + SWEEP_CLIMB_ROUNDINGS * plane)) +
+              double(SWEEP_LOST));
     sweep.near_margin = float(1.01 * (uneven + crossings) + double(SWEEP_LOST));
 }
 

@@ -58,10 +58,21 @@ static LaneFloat bend_between(const LaneFloat* h, const LaneFloat* n, float shar
     return LANES_MAX(bends[0], bends[1]);
 }
 
+// A line of heights across a strip, over the plane, raised and lowered to both sides of its ground.
+static void bounds_of_line(const LaneFloat* h, float rest, LaneFloat plane, StripLine* most, StripLine* least) {
+    float share = 1.0f - rest;
+    LaneFloat ends[2] = {h[0] + rest * (h[1] - h[0]), h[1] + rest * (h[2] - h[1])};
+    LaneFloat over = h[1] - (ends[0] + share * (ends[1] - ends[0])), zero = (LaneFloat)(0.0f);
+    LaneFloat up = positive(over), down = LANES_MIN(over, zero);
+    for (uint k = 0; k < 2u; ++k) most->at[k] = (ends[k] + up) - plane, least->at[k] = (ends[k] + down) - plane;
+}
+static LaneFloat height_across(const StripLine* line, float share) {
+    return line->at[0] + share * (line->at[1] - line->at[0]);
+}
+
 // Meets a line, and the ground between it and the one that was met last.
 GN_INLINE_ON_CPU void meet_line(SweepStrips* strips, __global const float* heights, __global const LightSweep* sweep,
                                 uint line, int block_row) {
-    float rest = rest_at(sweep, line), share = 1.0f - rest;
     LaneFloat plane = (LaneFloat)(sweep->climb * (float)line);
     __global const float* at = heights + sweep->first + (long)line * sweep->line_stride + block_row;
     LaneFloat h[4], n[4];
@@ -70,21 +81,18 @@ GN_INLINE_ON_CPU void meet_line(SweepStrips* strips, __global const float* heigh
         h[k] = LOAD_LANES(at + k);
         n[k] = is_first ? h[k] : LOAD_LANES(at + sweep->line_stride + k);
     }
-    LaneFloat ends[2] = {h[0] + rest * (h[1] - h[0]), h[1] + rest * (h[2] - h[1])};
-    LaneFloat over = h[1] - (ends[0] + share * (ends[1] - ends[0])), zero = (LaneFloat)(0.0f);
-    LaneFloat up = positive(over), down = LANES_MIN(over, zero);
     LaneFloat bend = bend_between(h, n, sweep->share, sweep->is_rising != 0u);
-    LaneFloat least[2];
+    StripLine most, least;
+    bounds_of_line(h, rest_at(sweep, line), plane, &most, &least);
     for (uint k = 0; k < 2u; ++k) {
-        LaneFloat most = (ends[k] + up) - plane, met = LANES_MAX(most, strips->last.at[k]) + bend;
+        LaneFloat met = LANES_MAX(most.at[k], strips->last.at[k]) + bend;
         strips->high.at[k] = LANES_MAX(met, strips->high.at[k]);
-        strips->last.at[k] = most;
-        least[k] = (ends[k] + down) - plane;
     }
+    strips->last = most;
     LaneInt row = (LaneInt)(block_row) + LANE_INDEX, last_row = (LaneInt)((int)sweep->rows - 4);
-    LaneInt higher = LANE_COMPARE(least[0] + least[1], >, strips->low.at[0] + strips->low.at[1]) &
+    LaneInt higher = LANE_COMPARE(least.at[0] + least.at[1], >, strips->low.at[0] + strips->low.at[1]) &
                      LANE_COMPARE(row, >=, (LaneInt)(1)) & LANE_COMPARE(row, <=, last_row);
-    for (uint k = 0; k < 2u; ++k) strips->low.at[k] = LANES_SELECT(strips->low.at[k], least[k], higher);
+    for (uint k = 0; k < 2u; ++k) strips->low.at[k] = LANES_SELECT(strips->low.at[k], least.at[k], higher);
 }
 
 // The ground that a vertex's own ray meets on its way over the next lines, over the plane through the ray.
@@ -145,8 +153,7 @@ GN_INLINE_ON_CPU uint answer_line(const SweepStrips* strips, __global const floa
     if (line + 1u == sweep->lines) return lane_bits(is_vertex);  // their rays leave the raster
     NearGround ground = near_ground(at, sweep, line, row);
     float share = 1.0f - rest_at(sweep, line);
-    LaneFloat high = strips->high.at[0] + share * (strips->high.at[1] - strips->high.at[0]);
-    LaneFloat low = strips->low.at[0] + share * (strips->low.at[1] - strips->low.at[0]);
+    LaneFloat high = height_across(&strips->high, share), low = height_across(&strips->low, share);
     LaneFloat ray = height - sweep->climb * (float)line;
     LaneFloat below = height - sweep->near_margin, above = height + sweep->near_margin;
     LaneInt is_above = LANE_COMPARE(ground.first, <, below);

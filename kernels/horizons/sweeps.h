@@ -23,7 +23,10 @@
 // What the crossings of a vertex's own ray are off by, as a share of the greatest height and of the ray's climb over
 // them; and what underflow takes at most of a height (tests/proofs/sweeps.v).
 #define SWEEP_CROSSING_ERROR (14.0f / 16777216.0f)
-#define SWEEP_LOST 0x1p-80f
+#define SWEEP_LOST 0x1p-77f
+// What bounds across a strip are off by, in half ulps of the greatest height and of a ray's climb over all lines.
+#define SWEEP_HEIGHT_ROUNDINGS 128.0f
+#define SWEEP_CLIMB_ROUNDINGS 24.0f
 // A tile has so many lines and rows, and one more of each, which it shares with the next tile.
 #define RASTER_TILE 16
 #define NO_VERTEX 0xFFFFFFFFu

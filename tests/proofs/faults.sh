@@ -73,9 +73,13 @@ refused pyramid_slopes
 # What keeps bounds above what underflow takes.
 noticed horizons/sweeps.h 's/SWEEP_CROSSING_ERROR (14\.0f/SWEEP_CROSSING_ERROR (7.0f/' sweeps.v
 refused sweeps
-noticed horizons/sweeps.h 's/SWEEP_LOST 0x1p-80f/SWEEP_LOST 0x1p-81f/' sweeps.v
+noticed horizons/sweeps.h 's/SWEEP_LOST 0x1p-77f/SWEEP_LOST 0x1p-78f/' sweeps.v
 refused sweeps
 noticed horizons/sweeps.cl 's/(a + share \* (b - a)) - climb/a + (share * (b - a) - climb/; s/climb \* farther;/climb * farther);/' sweeps.v
+noticed horizons/sweeps.h 's/ROUNDINGS 128\.0f/ROUNDINGS 90.0f/; s/ROUNDINGS 24\.0f/ROUNDINGS 14.0f/' sweeps.v
+refused sweeps
+noticed horizons/sweeps.cl 's/ends\[1\] - ends\[0\]/ends[0] - ends[1]/' sweeps.v
+refused sweeps
 noticed horizons/sweeps.cl 's/0\.25f \* share/0.2f * share/' sweeps.v
 refused sweeps
 noticed horizons/sweeps.cl 's/-1\.0f - share/share - 1.0f/' sweeps.v

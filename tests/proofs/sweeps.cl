@@ -6,19 +6,30 @@
 // met before: high 1
 // met before: height 1
 // met before: slope 1
+// met before: rest 1
 #include "horizons/sweeps.cl"
 
-// The ground at an edge that a vertex's own ray meets, over the plane through the ray, and what it is compared with: by
-// shares that the host rounded, and along a ray that is walked alone. And how much the ground between two lines may be
-// above straight lines between them, where diagonals rise and where they fall.
+// The ground at an edge that a vertex's own ray meets, over the plane through
+// the ray, and what it is compared with: by shares that the host rounded, and
+// along a ray that is walked alone. And how much the ground between two lines
+// may be above straight lines between them, where diagonals rise and where they
+// fall.
 __kernel void probe(float share_low, float low, float share_high, float high, float climb, float share, float farther,
                     float height, float near_margin, __global float* ground, __global float* walked,
                     __global float* below, __global float* above, __global float* of_sizes, __global float* of_nothing,
-                    float4 h, float4 n, float slope, __global float* rising, __global float* falling) {
+                    __global float* of_heights, __global float* of_climb, float4 h, float4 n, float slope, float rest,
+                    float lines, float2 bound, __global float* rising, __global float* falling,
+                    __global float* most_low, __global float* most_high, __global float* least_low,
+                    __global float* least_high, __global float* across, __global float* ray) {
     *ground = height_of_crossing(share_low, low, share_high, high, climb);
     *walked = height_of_edge(low, high, share, climb, farther);
     *below = height - near_margin, *above = height + near_margin;
     *of_sizes = SWEEP_CROSSING_ERROR, *of_nothing = SWEEP_LOST;
+    *of_heights = SWEEP_HEIGHT_ROUNDINGS, *of_climb = SWEEP_CLIMB_ROUNDINGS;
     const float line[4] = {h.x, h.y, h.z, h.w}, next[4] = {n.x, n.y, n.z, n.w};
     *rising = bend_between(line, next, slope, true), *falling = bend_between(line, next, slope, false);
+    StripLine upper, lower, strip = {{bound.x, bound.y}};
+    bounds_of_line(line, rest, climb * lines, &upper, &lower);
+    *most_low = upper.at[0], *most_high = upper.at[1], *least_low = lower.at[0], *least_high = lower.at[1];
+    *across = height_across(&strip, 1.0f - rest), *ray = height - climb * lines;
 }

@@ -6,15 +6,17 @@
      across_a_strip, greatest_at_ends   a line raised or lowered at both ends; the greatest of straight lines;
      rising_bends, falling_bends, kernels_bends, bent_is_below   where a ray crosses a diagonal or a row, how much its slope falls,
                                    and that the ground is above the straight line by a quarter of that at most;
-     bend_near, sum_of_bends       the same as computed: 34 u H of three.
+     bend_near, sum_of_bends       the same as computed: 34 u H of three;
+     most_near, least_near, line_is_kept   a line across a strip and what is kept of it, as computed: 61 u H + 4.2 u C;
+     strip_is_below, strip_is_above        all ground of a strip is below, or some above, a ray: 93 u H + 15 u C.
 
    Assumed: heights are 0 to H, up to 2^21, each off by one rounding (RasterCopies subtracts the lowest), a ray's climb C is
    up to 2^31 in all; the host rounds shares of an edge and the climb up to it once (set_crossings()); along a ray that is
    walked a share is rounded once and a distance twice; the margin is SWEEP_CROSSING_ERROR (H + C) + SWEEP_LOST at least
    (set_margins() has 1.01 of the first in double, and rounds the sum once), up to 2^31. Denormals may be kept or flushed. Between two lines
-   heights are the floats that are kept. In prose: the roundings of bounds across a strip, 70 u H + 13 u C with the bends' of the
-   margin's 128 u and 32 u, in which walked_near has room; that a ray crosses at most one row and two diagonals between two
-   lines; unevenness; what lit and dark mean. *)
+   heights are the floats that are kept. What is kept at both sides is within 5 H + C of 0 and of each other; a
+   ray's place on a line is rounded once. In prose: walked_near has room in the margin, 128 u H + 24 u C; that a ray crosses at
+   most one row and two diagonals between two lines; unevenness; what lit and dark mean. *)
 From Coq Require Import Reals QArith Qreals Lra Lia Psatz.
 From Flocq Require Import Core.
 Require Import Roundings Devices Filters.
@@ -38,18 +40,24 @@ Definition n_y := 14%nat.
 Definition n_z := 15%nat.
 Definition n_w := 16%nat.
 Definition slope := 17%nat.
-Definition greater_1 := 18%nat.
-Definition greater_2 := 19%nat.
-Definition greater_3 := 20%nat.
-Definition greater_4 := 21%nat.
-Definition greater_5 := 22%nat.
-Definition greater_6 := 23%nat.
-Definition greater_7 := 24%nat.
-Definition greater_8 := 25%nat.
-Definition greater_9 := 26%nat.
-Definition greater_10 := 27%nat.
-Definition greater_11 := 28%nat.
-Definition greater_12 := 29%nat.
+Definition rest := 18%nat.
+Definition lines := 19%nat.
+Definition bound_x := 20%nat.
+Definition bound_y := 21%nat.
+Definition greater_1 := 22%nat.
+Definition greater_2 := 23%nat.
+Definition greater_3 := 24%nat.
+Definition greater_4 := 25%nat.
+Definition greater_5 := 26%nat.
+Definition greater_6 := 27%nat.
+Definition greater_7 := 28%nat.
+Definition greater_8 := 29%nat.
+Definition greater_9 := 30%nat.
+Definition greater_10 := 31%nat.
+Definition greater_11 := 32%nat.
+Definition greater_12 := 33%nat.
+Definition greater_13 := 34%nat.
+Definition lesser_1 := 35%nat.
 Definition ground :=
   Sub (Add (Mul (Given high 1) (Given share_high 1)) (Mul (Given low 1) (Given share_low 1))) (Given climb 1).
 Definition walked :=
@@ -62,7 +70,11 @@ Definition above :=
 Definition of_sizes :=
   Const (7 # 8388608).
 Definition of_nothing :=
-  Const (1 # 1208925819614629174706176).
+  Const (1 # 151115727451828646838272).
+Definition of_heights :=
+  Const (128 # 1).
+Definition of_climb :=
+  Const (24 # 1).
 Definition greater_1_one :=
   Const (0 # 1).
 Definition greater_1_other :=
@@ -113,6 +125,32 @@ Definition greater_12_one :=
 Definition greater_12_other :=
   Add (Add (Given greater_8 0) (Given greater_10 0)) (Given greater_11 0).
 Definition falling := Given greater_12 0.
+Definition greater_13_one :=
+  greater_11_one.
+Definition greater_13_other :=
+  Sub (Given h_y 0) (Add (Add (Given h_x 0) (Mul (Given rest 1) (Diff h_y h_x))) (Mul (Sub (Add (Given h_y 0) (Mul
+    (Given rest 1) (Diff h_z h_y))) (Add (Given h_x 0) (Mul (Given rest 1) (Diff h_y h_x)))) (Sub (Const (1 # 1))
+    (Given rest 1)))).
+Definition most_low :=
+  Sub (Add (Add (Given h_x 0) (Mul (Given rest 1) (Diff h_y h_x))) (Given greater_13 0)) (Mul (Given climb 1) (Given
+    lines 0)).
+Definition most_high :=
+  Sub (Add (Add (Given h_y 0) (Mul (Given rest 1) (Diff h_z h_y))) (Given greater_13 0)) (Mul (Given climb 1) (Given
+    lines 0)).
+Definition lesser_1_one :=
+  greater_13_one.
+Definition lesser_1_other :=
+  greater_13_other.
+Definition least_low :=
+  Sub (Add (Add (Given h_x 0) (Mul (Given rest 1) (Diff h_y h_x))) (Given lesser_1 0)) (Mul (Given climb 1) (Given
+    lines 0)).
+Definition least_high :=
+  Sub (Add (Add (Given h_y 0) (Mul (Given rest 1) (Diff h_z h_y))) (Given lesser_1 0)) (Mul (Given climb 1) (Given
+    lines 0)).
+Definition across :=
+  Add (Given bound_x 0) (Mul (Sub (Const (1 # 1)) (Given rest 1)) (Diff bound_y bound_x)).
+Definition ray :=
+  Sub (Given height 1) (Mul (Given climb 1) (Given lines 0)).
 (* end: from the kernels *)
 
 Open Scope R_scope.
@@ -338,22 +376,272 @@ Proof.
   - eapply Rle_trans; [apply real_below_permanent | apply P].
 Qed.
 (* The sum of three, as a row and two diagonals: x i, x j and x k are what is computed, b_i and so on are real quarters. *)
-Theorem sum_of_bends i j k b_i b_j b_k v : let off g b := 0 <= x g /\ Rmax 0 b <= x g + (601 / 100 * u * H + few) /\ x g <= 2 * H + 1 in
+Theorem sum_of_bends i j k b_i b_j b_k v : let off g b := 0 <= x g /\ Rmax 0 b <= x g + (601 / 100 * u * H + few) /\ x g <= 2 * H + few in
   off i b_i -> off j b_j -> off k b_k ->
   computes32 x (Add (Add (Given i 0) (Given j 0)) (Given k 0)) v ->
-  Rmax 0 b_i + Rmax 0 b_j + Rmax 0 b_k <= v + 34 * u * H + / 1000000.
+  Rmax 0 b_i + Rmax 0 b_j + Rmax 0 b_k <= v + 34 * u * H + 4 * few.
 Proof.
   intros off (i0 & i1 & i2) (j0 & j1 & j2) (k0 & k1 & k2) C. assert (l := h32_below). simpl in l.
   destruct (step32_add _ _ _ _ C) as (p & q & Cp & Cq & R). apply given32_is in Cq. subst q.
   destruct (step32_add _ _ _ _ Cp) as (a & b & Ca & Cb & S). apply given32_is in Ca, Cb. subst a b.
-  rewrite (Rabs_pos_eq (x i + x j)) in S by lra. apply between in S. assert (p0 : Rabs (p + x k) <= 7 * H + 4) by (apply Rabs_le; lra).
+  rewrite (Rabs_pos_eq (x i + x j)) in S by lra. apply between in S. assert (p0 : Rabs (p + x k) <= 7 * H + 4 * few) by (apply Rabs_le; lra).
   apply (at_most32 _ _ _ _ R) in p0. apply between in p0. lra.
 Qed.
 End Bends.
-Lemma kernel_is_enough : (least_of_sizes <= value_of of_sizes /\ (35 # 10) * lost <= (99 # 100) * value_of of_nothing)%Q.
+
+(* ---- Bounds across a strip, as computed ---- *)
+Section Strip.
+Variable x : nat -> R.
+Variables H C : R.
+Hypotheses (H_in : 0 <= H <= 2097152) (C_in : 0 <= C <= 2147483648).
+Let high i := 0 <= x i <= H.
+Hypotheses (h_x_in : high h_x) (h_y_in : high h_y) (h_z_in : high h_z) (height_in : high height).
+Hypotheses (rest_in : 0 <= x rest <= 1).
+Hypotheses (climb_in : 0 <= x climb <= 1073741824) (lines_in : 0 <= x lines <= 65536) (climbed : x climb * x lines <= C).
+Let plane := x climb * x lines.
+Lemma given_near i k v : (k <= 16)%nat -> 0 <= x i -> computes32 x (Given i k) v -> Rabs (v - x i) <= INR k * (1001 / 1000) * u * x i.
+Proof.
+  intros K P D. apply near32 in D. replace (lost32 x (Given i k)) with 0 in D by reflexivity.
+  change (roundings (Given i k)) with k in D. change (real x (Given i k)) with (x i) in D.
+  change (permanent x (Given i k)) with (Rabs (x i)) in D. rewrite (Rabs_pos_eq (x i)) in D by exact P.
+  assert (A := alpha_below k K). assert (k0 := pos_INR k). assert (A2 : alpha u32 k <= INR k * (1001 / 1000) * u) by
+    (assert (0 <= INR k * u) by (apply Rmult_le_pos; lra); lra).
+  assert (G := Rmult_le_compat_r _ _ _ P A2). lra.
+Qed.
+Definition end_of i j := Add (Given i 0) (Mul (Given rest 1) (Diff j i)).
+Let real_end i j := x i + x rest * (x j - x i).
+Lemma end_near i j v : high i -> high j -> computes32 x (end_of i j) v ->
+  Rabs (v - real_end i j) <= 403 / 100 * u * H + few /\ 0 <= real_end i j <= H.
+Proof.
+  intros Hi Hj D. unfold high, real_end in *. assert (l := h32_below). assert (l0 := h32_positive). simpl in l.
+  destruct (step32_add _ _ _ _ D) as (a & m & Da & Dm & R). apply given32_is in Da. subst a.
+  destruct (step32_mul _ _ _ _ Dm) as (r & d & Dr & Dd & S). apply given_near in Dr; [| lia | lra]. simpl INR in Dr.
+  apply step32_diff in Dd. assert (D0 : Rabs (x j - x i) <= H) by (apply Rabs_le; lra). apply (at_most32 _ _ _ _ Dd) in D0 as Dd'.
+  assert (r1 : Rabs (r - x rest) <= 1001 / 1000 * u) by lra. clear Dr. assert (r2 := between _ _ r1). assert (d2 := between _ _ Dd').
+  assert (d3 : Rabs d <= (1 + 2 * u) * H + 4 * h32) by (apply between in D0; apply Rabs_le; lra).
+  assert (p1 := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) r1 d3). rewrite <- Rabs_mult in p1.
+  assert (p2 : Rabs (x rest * (d - (x j - x i))) <= 1 * (u * H + 4 * h32)).
+  { rewrite Rabs_mult, (Rabs_pos_eq (x rest)) by lra. apply Rmult_le_compat; try lra; apply Rabs_pos. }
+  assert (r3 : Rabs r <= 1 + 2 * u) by (apply Rabs_le; lra).
+  assert (p3 := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) r3 d3). rewrite <- Rabs_mult in p3.
+  assert (hd : h32 * (Rabs r + Rabs d + 1) <= h32 * 3000000) by (apply Rmult_le_compat_l; lra).
+  apply (at_most32 _ _ _ _ S) in p3. apply between in p1, p2, p3.
+  assert (mean : 0 <= x i + x rest * (x j - x i) <= H).
+  { assert (A := Rmult_le_compat_l (1 - x rest) _ _ ltac:(lra) (proj2 Hi)). assert (B := Rmult_le_compat_l (x rest) _ _ ltac:(lra) (proj2 Hj)).
+    assert (A' := Rmult_le_pos (1 - x rest) (x i) ltac:(lra) ltac:(lra)). assert (B' := Rmult_le_pos (x rest) (x j) ltac:(lra) ltac:(lra)). lra. }
+  assert (m1 : Rabs (m - x rest * (x j - x i)) <= 302 / 100 * u * H + few / 2) by (apply Rabs_le; lra).
+  apply between in m1. assert (s1 : Rabs (x i + m) <= (1 + 4 * u) * H + 1) by (apply Rabs_le; lra).
+  split; [| exact mean].
+  assert (s2 : Rabs (x i + m) <= (1 + 4 * u) * H + few) by (apply Rabs_le; lra). apply (at_most32 _ _ _ _ R) in s2.
+  apply between in s2. apply Rabs_le. lra.
+Qed.
+(* The ends, as they are computed: the same floats wherever they are used. *)
+Definition e0 := 97%nat.
+Definition e1 := 98%nat.
+Hypotheses (e0_is : computes32 x (end_of h_x h_y) (x e0)) (e1_is : computes32 x (end_of h_y h_z) (x e1)).
+Definition over_of a b := Sub (Given h_y 0) (Add a (Mul (Sub b a) (Sub (Const (1 # 1)) (Given rest 1)))).
+Lemma over_is : greater_13_other = over_of (end_of h_x h_y) (end_of h_y h_z) /\ lesser_1_other = greater_13_other.
+Proof. split; reflexivity. Qed.
+Let E0 := real_end h_x h_y. Let E1 := real_end h_y h_z.
+Let over := x h_y - (E0 + (1 - x rest) * (E1 - E0)).
+Theorem over_near v : computes32 x (over_of (Given e0 0) (Given e1 0)) v -> Rabs (v - over) <= 111 / 10 * u * H + 3 * few.
+Proof.
+  intros D. destruct (end_near _ _ _ h_x_in h_y_in e0_is) as [N0 I0]. destruct (end_near _ _ _ h_y_in h_z_in e1_is) as [N1 I1].
+  fold E0 in N0, I0. fold E1 in N1, I1. unfold high in *. assert (l := h32_below). assert (l0 := h32_positive). simpl in l.
+  destruct (step32_sub _ _ _ _ D) as (a & b & Da & Db & R). apply given32_is in Da. subst a.
+  destruct (step32_add _ _ _ _ Db) as (a & m & Da & Dm & S). apply given32_is in Da. subst a.
+  destruct (step32_mul _ _ _ _ Dm) as (d & s & Dd & Ds & T).
+  destruct (step32_sub _ _ _ _ Dd) as (p & q & Dp & Dq & U). apply given32_is in Dp, Dq. subst p q.
+  destruct (step32_sub _ _ _ _ Ds) as (p & q & Dp & Dq & V). apply const32_is in Dp. rewrite Q2R_1 in Dp. subst p.
+  apply given_near in Dq; [| lia | lra]. simpl INR in Dq. assert (q1 : Rabs (q - x rest) <= 1001 / 1000 * u) by lra. clear Dq.
+  apply between in N0, N1, q1. assert (v1 : Rabs (1 - q) <= 1 + 2 * u) by (apply Rabs_le; lra). apply (at_most32 _ _ _ _ V) in v1.
+  apply between in v1. assert (s1 : Rabs (s - (1 - x rest)) <= 202 / 100 * u) by (apply Rabs_le; lra).
+  assert (u1 : Rabs (x e1 - x e0) <= (1 + 9 * u) * H + 2 * few) by (apply Rabs_le; lra). apply (at_most32 _ _ _ _ U) in u1 as u2.
+  set (F := x e1 - x e0) in *. assert (F_in := between _ _ u1). apply between in u2.
+  assert (d1 : Rabs d <= (1 + 11 * u) * H + 3 * few) by (apply Rabs_le; lra).
+  assert (s2 : Rabs s <= 1 + 3 * u) by (apply between in s1; apply Rabs_le; lra).
+  assert (p1 := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) d1 s1). rewrite <- Rabs_mult in p1.
+  assert (p2 : Rabs ((d - F) * (1 - x rest)) <= (101 / 100 * u * H + few) * 1).
+  { rewrite Rabs_mult, (Rabs_pos_eq (1 - x rest)) by lra. apply Rmult_le_compat; first [lra | apply Rabs_pos | apply Rabs_le; lra]. }
+  assert (p3 := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) d1 s2). rewrite <- Rabs_mult in p3.
+  assert (hd : h32 * (Rabs d + Rabs s + 1) <= h32 * 3000000) by (apply Rmult_le_compat_l; lra).
+  apply (at_most32 _ _ _ _ T) in p3. apply between in p1, p2, p3.
+  assert (m1 : Rabs (m - F * (1 - x rest)) <= 406 / 100 * u * H + 3 / 2 * few) by (apply Rabs_le; lra).
+  (* The mean of the ends, of which each is off as much. *)
+  assert (mean : forall a b w, - w <= a <= w -> - w <= b <= w -> - w <= (1 - x rest) * a + x rest * b <= w).
+  { intros a' b' w A B. assert (A1 := Rmult_le_compat_l (1 - x rest) _ _ ltac:(lra) (proj2 A)).
+    assert (A2 := Rmult_le_compat_l (1 - x rest) _ _ ltac:(lra) (proj1 A)).
+    assert (B1 := Rmult_le_compat_l (x rest) _ _ ltac:(lra) (proj2 B)). assert (B2 := Rmult_le_compat_l (x rest) _ _ ltac:(lra) (proj1 B)). lra. }
+  assert (off := mean (x e1 - E1) (x e0 - E0) (403 / 100 * u * H + few) ltac:(lra) ltac:(lra)).
+  assert (at_vertex := mean (E1 - H / 2) (E0 - H / 2) (H / 2) ltac:(lra) ltac:(lra)).
+  apply between in m1. assert (w1 : Rabs (x e0 + m) <= (1 + 9 * u) * H + 3 * few) by (unfold F in *; apply Rabs_le; lra).
+  apply (at_most32 _ _ _ _ S) in w1. apply between in w1.
+  assert (b1 : Rabs (x h_y - b) <= (1 + 11 * u) * H + 4 * few) by (unfold F in *; apply Rabs_le; lra).
+  apply (at_most32 _ _ _ _ R) in b1. apply between in b1. unfold over, F in *. apply Rabs_le. lra.
+Qed.
+(* A side of the line, raised by `up` or lowered by `down`, over the plane. *)
+Definition over_plane_of e g := Sub (Add (Given e 0) (Given g 0)) (Mul (Given climb 1) (Given lines 0)).
+Lemma sides_are : most_low = Sub (Add (end_of h_x h_y) (Given greater_13 0)) (Mul (Given climb 1) (Given lines 0)) /\
+  most_high = Sub (Add (end_of h_y h_z) (Given greater_13 0)) (Mul (Given climb 1) (Given lines 0)) /\
+  least_low = Sub (Add (end_of h_x h_y) (Given lesser_1 0)) (Mul (Given climb 1) (Given lines 0)) /\
+  least_high = Sub (Add (end_of h_y h_z) (Given lesser_1 0)) (Mul (Given climb 1) (Given lines 0)).
+Proof. repeat split; reflexivity. Qed.
+Lemma plane_near m : computes32 x (Mul (Given climb 1) (Given lines 0)) m -> Rabs (m - plane) <= 201 / 100 * u * C + few.
+Proof.
+  intros D. assert (l := h32_below). assert (l0 := h32_positive). simpl in l. fold plane in climbed.
+  assert (p0 : 0 <= plane) by (unfold plane; apply Rmult_le_pos; lra).
+  destruct (step32_mul _ _ _ _ D) as (c & n & Dc & Dn & R). apply given32_is in Dn. subst n.
+  apply given_near in Dc; [| lia | lra]. simpl INR in Dc.
+  assert (p1 := Rmult_le_compat_r (x lines) _ _ (proj1 lines_in) Dc). rewrite <- (Rabs_pos_eq (x lines)) in p1 at 1 by lra.
+  rewrite <- Rabs_mult in p1. replace (1 * (1001 / 1000) * u * x climb * x lines) with (1001 / 1000 * u * plane) in p1
+    by (unfold plane; ring). replace ((c - x climb) * x lines) with (c * x lines - plane) in p1 by (unfold plane; ring).
+  apply between in Dc. assert (c1 : Rabs c <= 1073742000) by (apply Rabs_le; lra).
+  assert (hd : h32 * (Rabs c + Rabs (x lines) + 1) <= h32 * 1074000000)
+    by (apply Rmult_le_compat_l; [lra |]; rewrite (Rabs_pos_eq (x lines)); lra).
+  apply between in p1. assert (s1 : Rabs (c * x lines) <= (1 + 2 * u) * C) by (apply Rabs_le; lra).
+  apply (at_most32 _ _ _ _ R) in s1. apply between in s1. apply Rabs_le. lra.
+Qed.
+Lemma side_near e E g G v : Rabs (x e - E) <= 403 / 100 * u * H + few -> 0 <= E <= H ->
+  Rabs (x g - G) <= 111 / 10 * u * H + 3 * few -> - H <= G <= H -> computes32 x (over_plane_of e g) v ->
+  Rabs (v - (E + G - plane)) <= 192 / 10 * u * H + 31 / 10 * u * C + 6 * few.
+Proof.
+  intros N I N' I' D. assert (l := h32_below). assert (l0 := h32_positive). simpl in l. fold plane in climbed.
+  assert (p0 : 0 <= plane) by (unfold plane; apply Rmult_le_pos; lra).
+  destruct (step32_sub _ _ _ _ D) as (a & m & Da & Dm & R). apply plane_near in Dm.
+  destruct (step32_add _ _ _ _ Da) as (p & q & Dp & Dq & S). apply given32_is in Dp, Dq. subst p q.
+  apply between in N, N', Dm. assert (s1 : Rabs (x e + x g) <= (2 + 16 * u) * H + 4 * few) by (apply Rabs_le; lra).
+  apply (at_most32 _ _ _ _ S) in s1. apply between in s1.
+  assert (r1 : Rabs (a - m) <= (2 + 20 * u) * H + (1 + 3 * u) * C + 6 * few) by (apply Rabs_le; lra).
+  apply (at_most32 _ _ _ _ R) in r1. apply between in r1. apply Rabs_le. lra.
+Qed.
+Lemma over_in : - H <= over <= H.
+Proof.
+  destruct (end_near _ _ _ h_x_in h_y_in e0_is) as [_ I0]. destruct (end_near _ _ _ h_y_in h_z_in e1_is) as [_ I1].
+  fold E0 in I0. fold E1 in I1. unfold high in *. unfold over.
+  assert (A := Rmult_le_compat_l (x rest) _ _ (proj1 rest_in) (proj2 I0)). assert (B := Rmult_le_compat_l (1 - x rest) _ _ ltac:(lra) (proj2 I1)).
+  assert (A' := Rmult_le_pos (x rest) E0 ltac:(lra) ltac:(lra)). assert (B' := Rmult_le_pos (1 - x rest) E1 ltac:(lra) ltac:(lra)). lra.
+Qed.
+Theorem most_near o v : computes32 x (over_of (Given e0 0) (Given e1 0)) o -> x greater_13 = Rmax 0 o ->
+  (computes32 x (over_plane_of e0 greater_13) v ->
+   Rabs (v - (E0 + Rmax over 0 - plane)) <= 192 / 10 * u * H + 31 / 10 * u * C + 6 * few) /\
+  (computes32 x (over_plane_of e1 greater_13) v ->
+   Rabs (v - (E1 + Rmax over 0 - plane)) <= 192 / 10 * u * H + 31 / 10 * u * C + 6 * few).
+Proof.
+  intros Do g_is. apply over_near in Do. assert (O := over_in). apply between in Do.
+  assert (N' : Rabs (x greater_13 - Rmax over 0) <= 111 / 10 * u * H + 3 * few /\ - H <= Rmax over 0 <= H).
+  { rewrite g_is. unfold Rmax. destruct (Rle_dec 0 o), (Rle_dec over 0); split; try (apply Rabs_le); lra. }
+  destruct N' as [N' I']. destruct (end_near _ _ _ h_x_in h_y_in e0_is) as [N0 I0].
+  destruct (end_near _ _ _ h_y_in h_z_in e1_is) as [N1 I1]. split; intros D.
+  - exact (side_near e0 E0 greater_13 _ v N0 I0 N' I' D).
+  - exact (side_near e1 E1 greater_13 _ v N1 I1 N' I' D).
+Qed.
+Theorem least_near o v : computes32 x (over_of (Given e0 0) (Given e1 0)) o -> x lesser_1 = Rmin 0 o ->
+  (computes32 x (over_plane_of e0 lesser_1) v ->
+   Rabs (v - (E0 + Rmin over 0 - plane)) <= 192 / 10 * u * H + 31 / 10 * u * C + 6 * few) /\
+  (computes32 x (over_plane_of e1 lesser_1) v ->
+   Rabs (v - (E1 + Rmin over 0 - plane)) <= 192 / 10 * u * H + 31 / 10 * u * C + 6 * few).
+Proof.
+  intros Do g_is. apply over_near in Do. assert (O := over_in). apply between in Do.
+  assert (N' : Rabs (x lesser_1 - Rmin over 0) <= 111 / 10 * u * H + 3 * few /\ - H <= Rmin over 0 <= H).
+  { rewrite g_is. unfold Rmin. destruct (Rle_dec 0 o), (Rle_dec over 0); split; try (apply Rabs_le); lra. }
+  destruct N' as [N' I']. destruct (end_near _ _ _ h_x_in h_y_in e0_is) as [N0 I0].
+  destruct (end_near _ _ _ h_y_in h_z_in e1_is) as [N1 I1]. split; intros D.
+  - exact (side_near e0 E0 lesser_1 _ v N0 I0 N' I' D).
+  - exact (side_near e1 E1 lesser_1 _ v N1 I1 N' I' D).
+Qed.
+(* Bounds at both sides, at the place of a ray between them; and the ray. *)
+Let part := 1 - x rest.
+Theorem across_near B v : Rabs (x bound_x) <= B -> Rabs (x bound_y) <= B -> Rabs (x bound_y - x bound_x) <= B -> B <= 17179869184 ->
+  computes32 x across v -> Rabs (v - (x bound_x + part * (x bound_y - x bound_x))) <= 51 / 10 * u * B + few.
+Proof.
+  intros B0 B1 B2 B3 D. assert (l := h32_below). assert (l0 := h32_positive). simpl in l.
+  destruct (step32_add _ _ _ _ D) as (a & m & Da & Dm & R). apply given32_is in Da. subst a.
+  destruct (step32_mul _ _ _ _ Dm) as (r & d & Dr & Dd & S).
+  apply step32_diff in Dd. set (F := x bound_y - x bound_x) in *. apply (at_most32 _ _ _ _ Dd) in B2 as Dd'.
+  destruct (step32_sub _ _ _ _ Dr) as (p & q & Dp & Dq & V). apply const32_is in Dp. rewrite Q2R_1 in Dp. subst p.
+  apply given_near in Dq; [| lia | lra]. simpl INR in Dq. assert (q1 : Rabs (q - x rest) <= 1001 / 1000 * u) by lra. clear Dq.
+  apply between in q1. assert (v1 : Rabs (1 - q) <= 1 + 2 * u) by (apply Rabs_le; lra). apply (at_most32 _ _ _ _ V) in v1.
+  apply between in v1. assert (r1 : Rabs (r - part) <= 2002 / 1000 * u) by (unfold part; apply Rabs_le; lra).
+  assert (part_in : 0 <= part <= 1) by (unfold part; lra). assert (r2 := between _ _ r1). assert (d2 := between _ _ Dd').
+  assert (B2' := between _ _ B2). assert (d3 : Rabs d <= (1 + 2 * u) * B + 4 * h32) by (apply Rabs_le; lra).
+  assert (p1 := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) r1 d3). rewrite <- Rabs_mult in p1.
+  assert (p2 : Rabs (part * (d - F)) <= 1 * (u * B + 4 * h32)).
+  { rewrite Rabs_mult, (Rabs_pos_eq (part)) by lra. apply Rmult_le_compat; first [lra | apply Rabs_pos]. }
+  assert (r3 : Rabs r <= 1 + 3 * u) by (apply Rabs_le; lra).
+  assert (p3 := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) r3 d3). rewrite <- Rabs_mult in p3.
+  assert (hd : h32 * (Rabs r + Rabs d + 1) <= h32 * 20000000000) by (apply Rmult_le_compat_l; lra).
+  apply (at_most32 _ _ _ _ S) in p3. apply between in p1, p2, p3.
+  assert (m1 : Rabs (m - part * F) <= 403 / 100 * u * B + few / 2) by (apply Rabs_le; lra). apply between in m1.
+  apply between in B0, B1. assert (mean : - B <= x bound_x + part * F <= B).
+  { unfold F. assert (A := Rmult_le_compat_l (1 - part) _ _ ltac:(lra) (proj2 B0)). assert (A' := Rmult_le_compat_l (1 - part) _ _ ltac:(lra) (proj1 B0)).
+    assert (A2 := Rmult_le_compat_l (part) _ _ ltac:(lra) (proj2 B1)). assert (A3 := Rmult_le_compat_l (part) _ _ ltac:(lra) (proj1 B1)). lra. }
+  assert (s1 : Rabs (x bound_x + m) <= (1 + 5 * u) * B + few) by (apply Rabs_le; lra). apply (at_most32 _ _ _ _ R) in s1.
+  apply between in s1. apply Rabs_le. lra.
+Qed.
+Theorem ray_near v : computes32 x ray v -> Rabs (v - (x height - plane)) <= 202 / 100 * u * H + 302 / 100 * u * C + 2 * few.
+Proof.
+  intros D. assert (l := h32_below). assert (l0 := h32_positive). simpl in l. unfold high in *. fold plane in climbed.
+  assert (p0 : 0 <= plane) by (unfold plane; apply Rmult_le_pos; lra).
+  destruct (step32_sub _ _ _ _ D) as (a & m & Da & Dm & R). apply plane_near in Dm.
+  apply given_near in Da; [| lia | lra]. simpl INR in Da. apply between in Da, Dm.
+  assert (r1 : Rabs (a - m) <= (1 + 2 * u) * H + (1 + 3 * u) * C + few) by (apply Rabs_le; lra).
+  apply (at_most32 _ _ _ _ R) in r1. apply between in r1. apply Rabs_le. lra.
+Qed.
+(* What is kept of a line: the greater of its bound and of the last line's, with the bends between both. *)
+Definition lost_of_line := 61 * u * H + 42 / 10 * u * C + 12 * few.
+Theorem line_is_kept a b v R1 R2 S : R1 <= x a + (192 / 10 * u * H + 31 / 10 * u * C + 6 * few) ->
+  R2 <= x a + (192 / 10 * u * H + 31 / 10 * u * C + 6 * few) -> S <= x b + 34 * u * H + 4 * few ->
+  Rabs (x a) <= 3 * H + C + few -> 0 <= x b <= 4 * H + few -> computes32 x (Add (Given a 0) (Given b 0)) v ->
+  Rmax R1 R2 + S <= v + lost_of_line.
+Proof.
+  intros A1 A2 B A0 B0 D. assert (l := h32_below). simpl in l. unfold lost_of_line.
+  destruct (step32_add _ _ _ _ D) as (p & q & Dp & Dq & R). apply given32_is in Dp, Dq. subst p q. apply between in A0.
+  assert (s1 : Rabs (x a + x b) <= 7 * H + C + 2 * few) by (apply Rabs_le; lra). apply (at_most32 _ _ _ _ R) in s1.
+  apply between in s1. assert (M := Rmax_lub _ _ _ A1 A2). lra.
+Qed.
+(* The margin: M0 and M1 bound the ground over the plane at both sides, and are above what is kept, x bound_x and x bound_y, by
+   what a line loses; those are within 5 H and C of each other. Where that is below a ray less its margin, as both are computed,
+   the ground is below the ray; it is above the ray where what is kept of a lowered line is above the ray and its margin. *)
+Definition least_of_heights : Q := 93 # 1.
+Definition least_of_climb : Q := 15 # 1.
+Definition least_lost : Q := (18 # 1) * lost.
+Hypotheses (B_x : Rabs (x bound_x) <= 5 * H + C) (B_y : Rabs (x bound_y) <= 5 * H + C).
+Hypothesis B_xy : Rabs (x bound_y - x bound_x) <= 5 * H + C.
+Variable margin : R.
+Hypothesis margin_is : 93 * u * H + 15 * u * C + 18 * few <= margin.
+Theorem strip_is_below M0 M1 a r b : M0 <= x bound_x + lost_of_line -> M1 <= x bound_y + lost_of_line ->
+  computes32 x across a -> computes32 x ray r -> Rabs (b - (r - margin)) <= u * Rabs (r - margin) + 4 * h32 -> a < b ->
+  M0 + part * (M1 - M0) < x height - plane.
+Proof.
+  intros L0 L1 Da Dr Hb less. assert (part_in : 0 <= part <= 1) by (unfold part; lra). assert (l := h32_below). simpl in l. unfold lost_of_line, high in *.
+  apply (across_near (5 * H + C)) in Da; auto; [| lra]. apply ray_near in Dr. fold plane in climbed.
+  assert (p0 : 0 <= plane) by (unfold plane; apply Rmult_le_pos; lra).
+  assert (K0 := Rmult_le_compat_l (1 - part) _ _ ltac:(lra) L0). assert (K1 := Rmult_le_compat_l (part) _ _ ltac:(lra) L1).
+  apply between in Da, Dr. assert (b1 : Rabs (r - margin) <= (1 + 10 * u) * (H + C) + 3 * few + margin) by (apply Rabs_le; lra).
+  apply (at_most32 _ _ _ _ Hb) in b1. apply between in b1. lra.
+Qed.
+Theorem strip_is_above M0 M1 a r b : x bound_x - lost_of_line <= M0 -> x bound_y - lost_of_line <= M1 ->
+  computes32 x across a -> computes32 x ray r -> Rabs (b - (r + margin)) <= u * Rabs (r + margin) + 4 * h32 -> b < a ->
+  x height - plane < M0 + part * (M1 - M0).
+Proof.
+  intros L0 L1 Da Dr Hb more. assert (part_in : 0 <= part <= 1) by (unfold part; lra). assert (l := h32_below). simpl in l. unfold lost_of_line, high in *.
+  apply (across_near (5 * H + C)) in Da; auto; [| lra]. apply ray_near in Dr. fold plane in climbed.
+  assert (p0 : 0 <= plane) by (unfold plane; apply Rmult_le_pos; lra).
+  assert (K0 := Rmult_le_compat_l (1 - part) _ _ ltac:(lra) L0). assert (K1 := Rmult_le_compat_l (part) _ _ ltac:(lra) L1).
+  apply between in Da, Dr. assert (b1 : Rabs (r + margin) <= (1 + 10 * u) * (H + C) + 3 * few + margin) by (apply Rabs_le; lra).
+  apply (at_most32 _ _ _ _ Hb) in b1. apply between in b1. lra.
+Qed.
+End Strip.
+Lemma kernel_is_enough : (least_of_sizes <= value_of of_sizes /\ least_lost <= (99 # 100) * value_of of_nothing /\
+  least_of_heights <= value_of of_heights <= 1000 /\ least_of_climb <= value_of of_climb <= 1000)%Q.
 Proof. vm_compute. repeat split; discriminate. Qed.
 Definition constants := Eval vm_compute in shown least_of_sizes (value_of of_sizes).
 Print constants.
+Definition rests := Eval vm_compute in shown least_of_heights (value_of of_heights).
+Print rests.
+Definition others := Eval vm_compute in shown least_of_climb (value_of of_climb).
+Print others.
 Definition checked := (lit_is_above, dark_is_below, walked_near, bent_is_below, kink, along_the_ray, rising_bends, falling_bends,
-  across_a_strip, greatest_at_ends, kernels_bends, bend_near, sum_of_bends, kernel_is_enough).
+  across_a_strip, greatest_at_ends, kernels_bends, bend_near, sum_of_bends, over_is, sides_are, most_near,
+  least_near, across_near, ray_near, line_is_kept, strip_is_below, strip_is_above, kernel_is_enough).
 Print Assumptions checked.
