@@ -47,7 +47,6 @@ noticed simd/projection.h 's/(10\.0f \* GN_U)/(5.0f * GN_U)/' projection.v
 noticed beams/beam_intersect.clh 's/5\.2e-7f/2.6e-7f/' beams.v
 # The heights' errors, which no test misses; constants just below the least; what keeps a box's side outside.
 noticed occluders/triangle_records.clh 's/safe_n_z + v\[0\].error_z + height_error/safe_n_z/' planes.v
-refused planes
 noticed occluders/triangle_records.clh 's/PLANE_NEAR 0x1p-80f/PLANE_NEAR 0x1p-82f/' planes.v
 refused planes
 noticed occluders/triangle_records.clh 's/largest \* (8.0f \* GN_U)/largest * (6.5f * GN_U)/' planes_in_perspective.v
@@ -79,11 +78,8 @@ noticed horizons/sweeps.cl 's/(a + share \* (b - a)) - climb/a + (share * (b - a
 noticed horizons/sweeps.h 's/ROUNDINGS 128\.0f/ROUNDINGS 90.0f/; s/ROUNDINGS 24\.0f/ROUNDINGS 14.0f/' sweeps.v
 refused sweeps
 noticed horizons/sweeps.cl 's/ends\[1\] - ends\[0\]/ends[0] - ends[1]/' sweeps.v
-refused sweeps
 noticed horizons/sweeps.cl 's/0\.25f \* share/0.2f * share/' sweeps.v
-refused sweeps
 noticed horizons/sweeps.cl 's/-1\.0f - share/share - 1.0f/' sweeps.v
-refused sweeps
 noticed horizons/height_field.h 's/FIELD_NEAR 0x1p-40f/FIELD_NEAR 0x1p-60f/' horizons.v
 refused horizons
 noticed horizons/strip_triangle.clh 's/HEIGHT_NEAR 0x1p-16f/HEIGHT_NEAR 0x1p-18f/' slopes.v
@@ -121,8 +117,7 @@ refused frame_fit
 noticed prepared/prepared_facing.clh 's/0x1p-120f/0x1p-125f/' prepared_facing.v
 refused prepared_facing
 # Limits of what a proof assumes of its inputs; least terms of margins.
-noticed receivers/light_frame.h 's/LARGEST_EXTENT 1\.0e30f/LARGEST_EXTENT 1.3e30f/' frame_errors.v
-refused frame_errors
+noticed receivers/light_frame.h 's/LARGEST_EXTENT 1\.0e30f/LARGEST_EXTENT 1.3e30f/' frame_fit.v
 refused frame_fit
 noticed receivers/light_frame.h 's/SMALLEST_W 1\.0e-15f/SMALLEST_W 4.0e-16f/' frame_errors.v
 refused frame_errors
@@ -131,8 +126,7 @@ noticed prepared/prepared_facing.clh 's/PLANE_LEAST 0x1p-60f/PLANE_LEAST 0x1p-61
 refused prepared_facing
 noticed occluders/triangle_records.clh 's/EDGE_NEAR 1\.0e-30f/EDGE_NEAR 4.0e-32f/' edge_functions.v
 refused edge_functions
-noticed beams/beam.h 's/BEAM_ROUNDING_LEAST 1e-30f/BEAM_ROUNDING_LEAST 9e-31f/' boxes.v
-refused boxes
+noticed beams/beam.h 's/BEAM_ROUNDING_LEAST 1e-30f/BEAM_ROUNDING_LEAST 9e-31f/' leaf_extents.v
 refused leaf_extents
 noticed beams/beam.h 's/BEAM_ROUNDING_LEAST 1e-30f/BEAM_ROUNDING_LEAST 7e-34f/' tree.v
 refused tree
