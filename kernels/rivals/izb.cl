@@ -72,11 +72,11 @@ __kernel void izb_scatter(const IzbParams params, __constant const Projection* p
 // Slots of the lists, from `slot` on.
 #if GN_LANES == 1
 #define LOAD_SLOTS(values, slot) ((values)[slot])
-#define IDS_OF(values) ((int)(values))
+#define LOAD_POINTS(order, slot) ((int)GN_RELAXED_LOAD(&(order)[slot]))
 #define SLOTS_BEFORE(slot, end) (-1)
 #else
 #define LOAD_SLOTS(values, slot) vload16(0, (values) + (slot))
-#define IDS_OF(values) as_int16(values)
+#define LOAD_POINTS(order, slot) as_int16(vload16(0, (order) + (slot)))
 #define SLOTS_BEFORE(slot, end) ((int)(slot) + LANE_INDEX < (LaneInt)((int)(end)))
 #endif
 
@@ -103,7 +103,7 @@ static void trace_slots(IzbTrace* trace, uint record, uint slot, uint end) {
     const ExactPairs* pairs = &trace->pairs;
     uint id = trace->bounds[record].id;
     for (; slot < end; slot += GN_LANES) {
-        LaneInt points = IDS_OF(LOAD_SLOTS(trace->order, slot));
+        LaneInt points = LOAD_POINTS(trace->order, slot);
         LaneInt present = LANE_COMPARE(points, !=, (LaneInt)((int)GN_NO_ID)) & SLOTS_BEFORE(slot, end);
         if (!LANES_ANY(present)) continue;
         PointBlock in_grid = {LOAD_SLOTS(trace->x, slot), LOAD_SLOTS(trace->y, slot), LOAD_SLOTS(trace->z, slot)};
@@ -122,7 +122,7 @@ static void trace_slots(IzbTrace* trace, uint record, uint slot, uint end) {
             if (!is_certain && (queue_pair(pairs, point, id) ||
                                 !blocks_exactly(pairs, load_point(trace->positions, trace->layout, point), id)))
                 continue;
-            trace->order[slot + lane] = GN_NO_ID;
+            atomic_xchg(&trace->order[slot + lane], GN_NO_ID);
             uint changed = atomic_xchg(&trace->visibility_bits[point], 0u) != 0u;
             trace->by_trace += is_certain ? changed : 0u;
             trace->by_exact += is_certain ? 0u : changed;
@@ -236,7 +236,6 @@ __kernel void izb_trace(const IzbParams params, __global const float* positions,
                 (WaitingPairs){texels, ends});
     add_in_group(trace.by_trace, &sum, &counters->decided_by_trace);
     add_in_group(trace.by_exact, &sum, &counters->decided_by_exact);
-    uint tests = sum_of_group(trace.tests, &sum);
-    if (get_local_id(0) == 0) count_tests((ulong)tests * GN_LANES, counters);
+    count_tests((ulong)sum_of_group(trace.tests, &sum) * GN_LANES, counters);
     GN_END_SHARES;
 }

@@ -130,7 +130,7 @@ void look(const gnomon::Device& device, const Floats& scene, std::uint32_t size)
     std::printf("camera view: %zu pixels, %zu seen, %zu in shadow\n", got.size(), seen, dark);
 }
 
-/// A technique that is not exact: its small maps may make it wrong up to a bound.
+/// A rival: its small maps may make it wrong up to a bound.
 struct Approximation {
     std::string technique;
     Settings settings;
@@ -277,6 +277,7 @@ int main(int count, char** arguments) try {
         Floats on_floor = blocks;
         add(on_floor, {-9, -0.5f, -9}, {-9, -0.5f, 27}, {27, -0.5f, -9});
         for (const Approximation& a : std::vector<Approximation>{
+                 {"izb", {{"map-size", "64"}}, sun, 0},
                  {"conservative-map", {{"map-size", "64"}}, sun, 0.1, true},
                  {"shadow-map", {{"size", "32"}, {"bias", "dual"}, {"lookup", "pcf"}}, point_light, 0.1},
                  {"shadow-map",
