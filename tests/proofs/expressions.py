@@ -88,7 +88,7 @@ def selection(condition, yes, no):
 OPERATIONS = {"fadd": "add", "fsub": "sub", "fmul": "mul", "fdiv": "div"}
 BUILTINS = {"fabs": "abs", "fma": "fma", "fmax": "max", "fmin": "min", "max": "max", "min": "min", "sqrt": "sqrt",
             "floor": "floor"}
-TYPE = r"(?:<\d+ x [\w.]+>|\[[^\]]*\]|%?[\w.]+(?: addrspace\(\d+\))?\*?)"
+TYPE = r"(?:<\d+ x [\w.]+>(?: addrspace\(\d+\)\*)?|\[[^\]]*\]|%?[\w.]+(?: addrspace\(\d+\))?\*?)"
 
 
 def split_operands(text):
@@ -169,7 +169,7 @@ class Probe:
         return ("in", name)
 
     def execute(self, line):
-        if "@llvm.lifetime" in line:
+        if "@llvm.lifetime" in line or "@llvm.assume" in line:
             return
         if "@llvm.memcpy" in line:  # a local copy of an input
             to, of = (self.value(o.split()[-1]) for o in split_operands(line[line.index("(") + 1:-1])[:2])
@@ -200,6 +200,8 @@ class Probe:
             return self.each(OPERATIONS[name], self.typed(a), self.typed(kind + b))
         if name == "fneg":
             return self.each("neg", self.typed(rest))
+        if name == "icmp":  # a probe may assume it; no expression has it
+            return ("icmp",)
         if name == "fcmp":
             kind, rest = rest.split(" ", 1)
             first, second = split_operands(rest)
@@ -258,7 +260,11 @@ class Probe:
             steps = tuple(int(p.split()[-1]) for p in parts[2:])
             return ("pointer", base[1], base[2] + (steps[1:] if steps[0] == 0 else steps))
         if name == "load":
-            pointer = self.typed(split_operands(rest)[1])
+            kind, pointer = (split_operands(rest)[0], self.typed(split_operands(rest)[1]))
+            count = re.match(r"<(\d+) x", kind)
+            if count:  # neighbours in memory
+                return [self.input("_".join(map(str, (pointer[1], *pointer[2][:-1], pointer[2][-1] + i))))
+                        for i in range(int(count.group(1)))]
             return self.input(pointer[1] + "".join(f"_{i}" for i in pointer[2]))
         return fail(f"unknown instruction: {line}")
 

@@ -78,6 +78,8 @@ noticed horizons/sweeps.cl 's/(a + share \* (b - a)) - climb/a + (share * (b - a
 noticed horizons/sweeps.h 's/ROUNDINGS 128\.0f/ROUNDINGS 90.0f/; s/ROUNDINGS 24\.0f/ROUNDINGS 14.0f/' sweeps.v
 refused sweeps
 noticed horizons/sweeps.cl 's/ends\[1\] - ends\[0\]/ends[0] - ends[1]/' sweeps.v
+noticed horizons/sweeps.cl 's/strips->last\.at\[k\]) + bend/strips->last.at[k])/' sweeps.v
+noticed horizons/sweeps.cl 's/LANES_MAX(most\.at\[k\], strips/LANES_MAX(least.at[k], strips/' sweeps.v
 noticed horizons/sweeps.cl 's/0\.25f \* share/0.2f * share/' sweeps.v
 noticed horizons/sweeps.cl 's/-1\.0f - share/share - 1.0f/' sweeps.v
 noticed horizons/height_field.h 's/FIELD_NEAR 0x1p-40f/FIELD_NEAR 0x1p-60f/' horizons.v

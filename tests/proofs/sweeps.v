@@ -7,7 +7,7 @@
      rising_bends, falling_bends, kernels_bends, bent_is_below   where a ray crosses a diagonal or a row, how much its slope falls,
                                    and that the ground is above the straight line by a quarter of that at most;
      bend_near, sum_of_bends       the same as computed: 34 u H of three;
-     most_near, least_near, line_is_kept   a line across a strip and what is kept of it, as computed: 61 u H + 4.2 u C;
+     most_near, least_near, kept_is, line_is_kept   a line across a strip and what is kept of it, as computed: 61 u H + 4.2 u C;
      strip_is_below, strip_is_above        all ground of a strip is below, or some above, a ray: 93 u H + 15 u C.
 
    Assumed: heights are 0 to H, up to 2^21, each off by one rounding (RasterCopies subtracts the lowest), a ray's climb C is
@@ -44,20 +44,45 @@ Definition rest := 18%nat.
 Definition lines := 19%nat.
 Definition bound_x := 20%nat.
 Definition bound_y := 21%nat.
-Definition greater_1 := 22%nat.
-Definition greater_2 := 23%nat.
-Definition greater_3 := 24%nat.
-Definition greater_4 := 25%nat.
-Definition greater_5 := 26%nat.
-Definition greater_6 := 27%nat.
-Definition greater_7 := 28%nat.
-Definition greater_8 := 29%nat.
-Definition greater_9 := 30%nat.
-Definition greater_10 := 31%nat.
-Definition greater_11 := 32%nat.
-Definition greater_12 := 33%nat.
-Definition greater_13 := 34%nat.
-Definition lesser_1 := 35%nat.
+Definition before_low := 22%nat.
+Definition before_high := 23%nat.
+Definition last_low := 24%nat.
+Definition last_high := 25%nat.
+Definition light_5 := 26%nat.
+Definition copy_1 := 27%nat.
+Definition copy_2 := 28%nat.
+Definition copy_3 := 29%nat.
+Definition copy_4 := 30%nat.
+Definition copy_5 := 31%nat.
+Definition copy_6 := 32%nat.
+Definition copy_7 := 33%nat.
+Definition copy_8 := 34%nat.
+Definition light_17 := 35%nat.
+Definition greater_1 := 36%nat.
+Definition greater_2 := 37%nat.
+Definition greater_3 := 38%nat.
+Definition greater_4 := 39%nat.
+Definition greater_5 := 40%nat.
+Definition greater_6 := 41%nat.
+Definition greater_7 := 42%nat.
+Definition greater_8 := 43%nat.
+Definition greater_9 := 44%nat.
+Definition greater_10 := 45%nat.
+Definition greater_11 := 46%nat.
+Definition greater_12 := 47%nat.
+Definition greater_13 := 48%nat.
+Definition lesser_1 := 49%nat.
+Definition greater_14 := 50%nat.
+Definition greater_15 := 51%nat.
+Definition greater_16 := 52%nat.
+Definition greater_17 := 53%nat.
+Definition greater_18 := 54%nat.
+Definition greater_19 := 55%nat.
+Definition greater_20 := 56%nat.
+Definition greater_21 := 57%nat.
+Definition greater_22 := 58%nat.
+Definition greater_23 := 59%nat.
+Definition greater_24 := 60%nat.
 Definition ground :=
   Sub (Add (Mul (Given high 1) (Given share_high 1)) (Mul (Given low 1) (Given share_low 1))) (Given climb 1).
 Definition walked :=
@@ -151,6 +176,51 @@ Definition across :=
   Add (Given bound_x 0) (Mul (Sub (Const (1 # 1)) (Given rest 1)) (Diff bound_y bound_x)).
 Definition ray :=
   Sub (Given height 1) (Mul (Given climb 1) (Given lines 0)).
+Definition greater_14_one :=
+  lesser_1_one.
+Definition greater_14_other :=
+  Mul (Add (Diff copy_1 copy_5) (Diff copy_6 copy_2)) (Times (1 # 4) (Sub (Const (1 # 1)) (Given light_17 0))).
+Definition greater_15_one :=
+  greater_14_one.
+Definition greater_15_other :=
+  Mul (Add (Diff copy_2 copy_6) (Diff copy_7 copy_3)) (Times (1 # 4) (Sub (Const (1 # 1)) (Given light_17 0))).
+Definition greater_16_one :=
+  greater_15_one.
+Definition greater_16_other :=
+  Mul (Times (1 # 4) (Given light_17 0)) (Sub (Diff copy_2 copy_1) (Diff copy_7 copy_6)).
+Definition greater_17_one :=
+  greater_16_one.
+Definition greater_17_other :=
+  Mul (Add (Diff copy_3 copy_7) (Diff copy_8 copy_4)) (Times (1 # 4) (Sub (Const (1 # 1)) (Given light_17 0))).
+Definition greater_18_one :=
+  greater_17_one.
+Definition greater_18_other :=
+  Mul (Times (1 # 4) (Given light_17 0)) (Sub (Diff copy_3 copy_2) (Diff copy_8 copy_7)).
+Definition greater_19_one :=
+  Add (Add (Given greater_14 0) (Given greater_15 0)) (Given greater_16 0).
+Definition greater_19_other :=
+  Add (Add (Given greater_15 0) (Given greater_17 0)) (Given greater_18 0).
+Definition greater_20_one :=
+  greater_18_one.
+Definition greater_20_other :=
+  Sub (Given copy_2 0) (Add (Add (Given copy_1 0) (Times (0 # 1) (Diff copy_2 copy_1))) (Sub (Add (Given copy_2 0)
+    (Times (0 # 1) (Diff copy_3 copy_2))) (Add (Given copy_1 0) (Times (0 # 1) (Diff copy_2 copy_1))))).
+Definition greater_21_one := Given last_low 0.
+Definition greater_21_other :=
+  Sub (Add (Add (Given copy_1 0) (Times (0 # 1) (Diff copy_2 copy_1))) (Given greater_20 0)) (Times (0 # 1) (Given
+    light_5 0)).
+Definition greater_22_one :=
+  Add (Given greater_19 0) (Given greater_21 0).
+Definition greater_22_other := Given before_low 0.
+Definition kept_low := Given greater_22 0.
+Definition greater_23_one := Given last_high 0.
+Definition greater_23_other :=
+  Sub (Add (Add (Given copy_2 0) (Times (0 # 1) (Diff copy_3 copy_2))) (Given greater_20 0)) (Times (0 # 1) (Given
+    light_5 0)).
+Definition greater_24_one :=
+  Add (Given greater_19 0) (Given greater_23 0).
+Definition greater_24_other := Given before_high 0.
+Definition kept_high := Given greater_24 0.
 (* end: from the kernels *)
 
 Open Scope R_scope.
@@ -589,14 +659,23 @@ Proof.
 Qed.
 (* What is kept of a line: the greater of its bound and of the last line's, with the bends between both. *)
 Definition lost_of_line := 61 * u * H + 42 / 10 * u * C + 12 * few.
+Definition kept_of bends met := Add (Given bends 0) (Given met 0).
+Definition at_rest_0 i j g := Sub (Add (Add (Given i 0) (Times 0 (Diff j i))) (Given g 0)) (Times 0 (Given light_5 0)).
+Lemma kept_is : (* meet_line(): of a side's bound, the one met last, and the bends *)
+  greater_22_one = kept_of greater_19 greater_21 /\ greater_24_one = kept_of greater_19 greater_23 /\
+  greater_21_one = Given last_low 0 /\ greater_21_other = at_rest_0 copy_1 copy_2 greater_20 /\
+  greater_23_one = Given last_high 0 /\ greater_23_other = at_rest_0 copy_2 copy_3 greater_20 /\
+  greater_19_one = Add (Add (Given greater_14 0) (Given greater_15 0)) (Given greater_16 0) /\
+  greater_19_other = Add (Add (Given greater_15 0) (Given greater_17 0)) (Given greater_18 0).
+Proof. repeat split. Qed.
 Theorem line_is_kept a b v R1 R2 S : R1 <= x a + (192 / 10 * u * H + 31 / 10 * u * C + 6 * few) ->
   R2 <= x a + (192 / 10 * u * H + 31 / 10 * u * C + 6 * few) -> S <= x b + 34 * u * H + 4 * few ->
-  Rabs (x a) <= 3 * H + C + few -> 0 <= x b <= 4 * H + few -> computes32 x (Add (Given a 0) (Given b 0)) v ->
+  Rabs (x a) <= 3 * H + C + few -> 0 <= x b <= 4 * H + few -> computes32 x (kept_of b a) v ->
   Rmax R1 R2 + S <= v + lost_of_line.
 Proof.
   intros A1 A2 B A0 B0 D. assert (l := h32_below). simpl in l. unfold lost_of_line.
   destruct (step32_add _ _ _ _ D) as (p & q & Dp & Dq & R). apply given32_is in Dp, Dq. subst p q. apply between in A0.
-  assert (s1 : Rabs (x a + x b) <= 7 * H + C + 2 * few) by (apply Rabs_le; lra). apply (at_most32 _ _ _ _ R) in s1.
+  assert (s1 : Rabs (x b + x a) <= 7 * H + C + 2 * few) by (apply Rabs_le; lra). apply (at_most32 _ _ _ _ R) in s1.
   apply between in s1. assert (M := Rmax_lub _ _ _ A1 A2). lra.
 Qed.
 (* The margin: M0 and M1 bound the ground over the plane at both sides, and are above what is kept, x bound_x and x bound_y, by
@@ -643,5 +722,5 @@ Definition others := Eval vm_compute in shown least_of_climb (value_of of_climb)
 Print others.
 Definition checked := (lit_is_above, dark_is_below, walked_near, bent_is_below, kink, along_the_ray, rising_bends, falling_bends,
   across_a_strip, greatest_at_ends, kernels_bends, bend_near, sum_of_bends, over_is, sides_are, most_near,
-  least_near, across_near, ray_near, line_is_kept, strip_is_below, strip_is_above, kernel_is_enough).
+  kept_is, least_near, across_near, ray_near, line_is_kept, strip_is_below, strip_is_above, kernel_is_enough).
 Print Assumptions checked.
