@@ -824,6 +824,79 @@ Proof.
   assert (0 <= Q2R q * h32) by (apply Rmult_le_pos; lra). lra.
 Qed.
 
+(* An expression without differences but those of inputs, and without anything negative, is computed at least as this; what
+   underflow takes of it comes from what it takes of its operands (`l`: that and their own flushing). *)
+Lemma alpha_16 k : (k <= 16)%nat -> 0 <= alpha u32 k <= / 1000000.
+Proof.
+  intros K. split; [apply alpha_at_least |]. eapply Rle_trans; [apply (alpha_below k K) |].
+  assert (I := le_INR k 16 K). simpl INR in I. lra.
+Qed.
+Definition loses x e l := lost32 x e + h32 <= l.
+Lemma gap32 x e : loses x e (lost32 x e + h32) /\ gap h32 (fun _ => h32) e = h32.
+Proof. split; [apply Rle_refl |]. destruct e; simpl; try destruct (Nat.leb k 16); reflexivity. Qed.
+Ltac of_operands := unfold loses, lost32; cbn [lost]; rewrite ?(proj2 (gap32 (fun _ => 0) _)); assert (h := h32_positive);
+  replace (1 + u32) with (1 + / 16777216) by (now rewrite u32_value); intros.
+Lemma loses_const x q l : h32 <= l -> loses x (Const q) l.
+Proof. unfold loses, lost32. cbn [lost]. lra. Qed.
+Lemma loses_given x i k l : h32 <= l -> loses x (Given i k) l.
+Proof. unfold loses, lost32. cbn [lost]. lra. Qed.
+Lemma loses_diff x i j l : 5 * h32 <= l -> loses x (Diff i j) l.
+Proof. of_operands. lra. Qed.
+Lemma loses_abs x a la l : loses x a la -> la + h32 <= l -> loses x (Abs a) l.
+Proof. of_operands. lra. Qed.
+Lemma loses_add x a b la lb l : loses x a la -> loses x b lb -> 101 / 100 * (la + lb) + 2 * h32 <= l -> loses x (Add a b) l.
+Proof.
+  of_operands. assert (A := lost32_positive x a). assert (B := lost32_positive x b). unfold lost32 in *. lra.
+Qed.
+Lemma loses_times x q a la l : loses x a la -> 101 / 100 * (Rabs (Q2R q) * la) + 2 * h32 <= l -> loses x (Times q a) l.
+Proof.
+  of_operands. intros. assert (A := lost32_positive x a). unfold lost32 in A.
+  assert (G := Rmult_le_compat_l _ _ _ (Rabs_pos (Q2R q)) H). assert (P := Rmult_le_pos _ la (Rabs_pos (Q2R q)) ltac:(lra)). lra.
+Qed.
+Lemma loses_mul x a b P Q la lb l : (roundings a <= 16)%nat -> (roundings b <= 16)%nat -> permanent x a <= P -> permanent x b <= Q ->
+  loses x a la -> loses x b lb -> 101 / 100 * (P * lb + Q * la + la * lb) + 2 * h32 <= l -> loses x (Mul a b) l.
+Proof.
+  intros Ka Kb HP HQ. of_operands. intros. assert (A := lost32_positive x a). assert (B := lost32_positive x b).
+  assert (Pa := permanent_positive x a). assert (Pb := permanent_positive x b). unfold lost32 in A, B.
+  apply alpha_16 in Ka, Kb. set (k := alpha u32 (roundings a)) in *. set (k' := alpha u32 (roundings b)) in *.
+  assert (O := of_product_grows k k' _ _ _ _ P Q la lb ltac:(lra) ltac:(lra) (conj Pa HP) (conj Pb HQ)
+    (conj (Rplus_le_le_0_compat _ _ A (Rlt_le _ _ h)) H) (conj (Rplus_le_le_0_compat _ _ B (Rlt_le _ _ h)) H0)).
+  unfold of_product in *.
+  assert (p1 := Rmult_le_pos P lb ltac:(lra) ltac:(lra)). assert (p2 := Rmult_le_pos Q la ltac:(lra) ltac:(lra)).
+  assert (p3 := Rmult_le_pos la lb ltac:(lra) ltac:(lra)). assert (k1 := Rmult_le_compat_r _ _ _ p1 (proj2 Ka)).
+  assert (k2 := Rmult_le_compat_r _ _ _ p2 (proj2 Kb)). lra.
+Qed.
+Fixpoint one_product e : Prop := match e with Given _ _ | Diff _ _ => True | Mul a b => one_product a /\ one_product b | _ => False end.
+Lemma one_product_is x e : one_product e -> permanent x e = Rabs (real x e).
+Proof.
+  induction e; cbn [one_product permanent real]; try tauto; auto. intros [A B]. rewrite Rabs_mult, IHe1, IHe2; auto.
+Qed.
+Fixpoint only_positive x e : Prop :=
+  match e with
+  | Const q => 0 <= Q2R q
+  | Given i _ => 0 <= x i
+  | Abs a => one_product a
+  | Times q a => 0 <= Q2R q /\ only_positive x a
+  | Add a b | Mul a b => only_positive x a /\ only_positive x b
+  | _ => False
+  end.
+Lemma permanent_is x e : only_positive x e -> permanent x e = real x e /\ 0 <= real x e.
+Proof.
+  induction e; cbn [only_positive permanent real]; try tauto.
+  - intros. split; [now apply Rabs_pos_eq | assumption].
+  - intros. split; [now apply Rabs_pos_eq | assumption].
+  - intros [Q P]. destruct (IHe P) as [-> G]. rewrite (Rabs_pos_eq _ Q). split; [reflexivity | now apply Rmult_le_pos].
+  - intros P. split; [now apply one_product_is | apply Rabs_pos].
+  - intros [P Q]. destruct (IHe1 P) as [-> A]. destruct (IHe2 Q) as [-> B]. split; [reflexivity | lra].
+  - intros [P Q]. destruct (IHe1 P) as [-> A]. destruct (IHe2 Q) as [-> B]. split; [reflexivity | now apply Rmult_le_pos].
+Qed.
+Theorem least_positive x e l v : only_positive x e -> (roundings e <= 16)%nat -> loses x e l -> computes32 x e v ->
+  (1 - / 1000000) * real x e - l <= v.
+Proof.
+  intros P K L C. apply permanent_is in P. destruct P as [P R0]. apply near32 in C. rewrite P in C. apply alpha_16 in K.
+  assert (h := h32_positive). assert (G := Rmult_le_compat_r _ _ _ R0 (proj2 K)). unfold loses in L. apply between in C. lra.
+Qed.
+
 (* The same in double. *)
 Definition any64 : Q := 2 ^ 1025.
 Definition computed64 x e v := computes64 x e v /\ within_limits x (Q2R any64) (Q2R any64) e.

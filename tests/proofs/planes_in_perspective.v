@@ -6,14 +6,16 @@
      products_near           N . p from the rounded N: delta_np's term of products; delta_np_has_it: what underflow takes;
      determinant_moves       N . a, where a lies anywhere: delta_determinant, with all its roundings;
      cross_moves             N . p: delta_np's other terms, from the errors of two sides;
-     quotient_moves          what the errors of N . p and det do to their quotient.
+     quotient_moves          what the errors of N . p and det do to their quotient;
+     quotients_are_enough    the margin's quotients as they are computed, by over_least, under_most and anywhere_least, times 1.0085:
+                             they have what quotient_moves asks for, by np_has_it and det_has_it.
 
    Assumed: |X|, |Y| <= reach, whose parts are up to 2^16, the rectangle's side from 1 on (a bin has a texel); corners are off by
    `error` and error_w, 2^-90 at least (projection.v); a side is no longer than 4 reach times its rho (edge_functions.v,
-   rho_has); a quotient is off by 2.5 ulp and by 2^-126. Denormals may be kept or flushed. In prose: N . a where a lies in the
-   grid (its bound has the terms of N . p); what underflow takes of the sums of the margin's quotient, of which each has a term
-   with UNDERFLOW, 2^36 times as much; the point's height, 2 L height_error. The 1 % covers the margin's own roundings
-   (planes.v). Overflow: no height is certain where the margin is infinite. *)
+   rho_has); a quotient is off by 2.5 ulp and by 2^-126; safe_determinant is more than a quarter of det, which the kernel asks,
+   here a fifth. Denormals may be kept or flushed: what that takes of the quotients is less than a 3000th of delta_np and of
+   delta_determinant, and 2^-94 that PLANE_NEAR has. In prose: N . a where a lies in the grid (its bound has the terms of N . p); the
+   point's height, 2 L height_error. Overflow: no height is certain where the margin is infinite. *)
 From Coq Require Import Reals QArith Qreals Lra Psatz.
 From Flocq Require Import Core.
 Require Import Roundings Devices Filters.
@@ -254,6 +256,11 @@ Definition underflow_term : Q := match quotient_4_over with Add (Add (Add (Times
 Lemma term_is : match quotient_4_over with Add (Add (Add (Times _ s) _) _) _ => s | _ => Const 0 end =
   Add (Add (Given point_error 0) (Given side 0)) (Const 1).
 Proof. reflexivity. Qed.
+(* What underflow takes of a height, of its quotients and of the margin, and in proportion to L. *)
+Lemma kernel_is_enough : (2 * (1 # 2 ^ 100) + (1 # 2 ^ 96) + (1 # 2 ^ 94) <= of_nothing * (1 - (1 # 2 ^ 20)) /\
+  least_bound + (1 # 2 ^ 89) <= of_largest /\ 1 # 2 ^ 90 <= underflow_term)%Q.
+Proof. vm_compute. repeat split; discriminate. Qed.
+
 Variable S : R.  (* no side is longer *)
 Let short i j := Rabs (x i - x j) <= S.
 Hypotheses (x1_in : short b_x a_x) (y1_in : short b_y a_y) (w1_in : short b_z a_z).
@@ -322,8 +329,17 @@ Variable x : nat -> R.
 Open Scope R_scope.
 Local Notation u := (/ 16777216).
 Local Notation h := h32.
-Definition delta := match quotient_4_under with Sub _ (Times _ d) => d | _ => Const 0 end.
 Definition determinant := quotient_1_under.
+Definition delta := match quotient_4_under with Sub _ (Times _ d) => d | _ => Const 0 end.
+(* N, det and delta_determinant, as they are computed: each is one float, wherever it is used. *)
+Definition N_x := 90%nat.
+Definition N_y := 91%nat.
+Definition N_w := 92%nat.
+Definition det := 93%nat.
+Definition delta_det := 94%nat.
+Definition determinant_of n_x n_y n_w := Fma n_x (Given a_x 0) (Fma n_y (Given a_y 0) (Mul n_w (Given a_z 0))).
+Lemma determinant_is : determinant = determinant_of quotient_1_over quotient_2_over quotient_3_over.
+Proof. reflexivity. Qed.
 Let E := x error. Let F := x error_w.
 Hypotheses (E_in : / 2 ^ 90 <= E) (F_in : / 2 ^ 90 <= F).
 Let x1 := Rabs (x b_x - x a_x). Let y1 := Rabs (x b_y - x a_y). Let w1 := Rabs (x b_z - x a_z).
@@ -338,15 +354,6 @@ Definition real_delta n_x n_y n_w :=
   / 4194304 * (Rabs (n_w * x a_z) + (Rabs (n_x * x a_x) + Rabs (n_y * x a_y))) +
   / 2 ^ 90 * (Rabs (x a_x) + Rabs (x a_y) + Rabs (x a_z) + 1) +
   ((far_x + far_y + far_w) * D + / 4194304 * (far_x * size_x + far_y * size_y + far_w * size_w)).
-Lemma delta_is : real x delta = real_delta (real x quotient_1_over) (real x quotient_2_over) (real x quotient_3_over).
-Proof.
-  unfold real_delta, D, far_x, far_y, far_w, size_x, size_y, size_w, x1, y1, w1, x2, y2, w2, E, F.
-  cbv [delta quotient_4_under]. cbn [real]. rewrite !Rabs_mult.
-  replace (Q2R (1 # 4194304)) with (/ 4194304) by (unfold Q2R; simpl; lra).
-  replace (Q2R (1 # 1237940039285380274899124224)) with (/ 2 ^ 90) by (unfold Q2R; simpl; lra).
-  rewrite Q2R_1, ?Q2R_2. ring.
-Qed.
-
 Ltac are_positive := unfold x1, y1, w1, x2, y2, w2; repeat split; apply Rabs_pos.
 Lemma sides0 : 0 <= x1 /\ 0 <= y1 /\ 0 <= w1 /\ 0 <= x2 /\ 0 <= y2 /\ 0 <= w2.
 Proof. are_positive. Qed.
@@ -433,15 +440,15 @@ Proof.
     assert (K := Rmult_le_compat_l e 1 D e0). assert (K2 := Rmult_le_compat 1 e 1 e ltac:(lra) ltac:(lra) ltac:(lra) ltac:(lra)).
     specialize (K ltac:(lra)). specialize (G ltac:(lra)). simpl in *. lra.
 Qed.
-Theorem determinant_moves v : computes32 x determinant v -> exists n_x n_y n_w,
-  computes32 x quotient_1_over n_x /\ computes32 x quotient_2_over n_y /\ computes32 x quotient_3_over n_w /\
+Theorem determinant_moves v : computes32 x quotient_1_over (x N_x) -> computes32 x quotient_2_over (x N_y) ->
+  computes32 x quotient_3_over (x N_w) -> computes32 x (determinant_of (Given N_x 0) (Given N_y 0) (Given N_w 0)) v ->
   Rabs ((Y1 * W2 - W1 * Y2) * A_x + (W1 * X2 - X1 * W2) * A_y + (X1 * Y2 - Y1 * X2) * A_w - v) <=
-  (1 + / 2 ^ 10) * real_delta n_x n_y n_w.
+  (1 + / 2 ^ 10) * real_delta (x N_x) (x N_y) (x N_w).
 Proof.
-  intros C. destruct (step32_fma _ _ _ _ _ C) as (n_x & a & r & Cx & Ca & C1 & R1). apply given32_is in Ca. subst a.
-  destruct (step32_fma _ _ _ _ _ C1) as (n_y & a & r' & Cy & Ca & C2 & R2). apply given32_is in Ca. subst a.
-  destruct (step32_mul _ _ _ _ C2) as (n_w & a & Cw & Ca & R3). apply given32_is in Ca. subst a.
-  exists n_x, n_y, n_w. repeat split; try assumption.
+  intros Cx Cy Cw C. destruct (step32_fma _ _ _ _ _ C) as (n_x & a & r & Cn & Ca & C1 & R1). apply given32_is in Cn, Ca. subst a.
+  destruct (step32_fma _ _ _ _ _ C1) as (n_y & a & r' & Cn' & Ca & C2 & R2). apply given32_is in Cn', Ca. subst a.
+  destruct (step32_mul _ _ _ _ C2) as (n_w & a & Cn'' & Ca & R3). apply given32_is in Cn'', Ca. subst a.
+  rewrite <- Cn in Cx. rewrite <- Cn' in Cy. rewrite <- Cn'' in Cw. rewrite <- Cn, <- Cn', <- Cn''. clear Cn Cn' Cn''.
   assert (N1 := n_x_moves _ Cx). assert (N2 := n_y_moves _ Cy). assert (N3 := n_w_moves _ Cw). clear C C1 C2 Cx Cy Cw.
   destruct h32_powers as [h0 hh]. assert (E0 := E_in). assert (F0 := F_in).
   assert (r1 : 0 <= E) by (simpl in *; lra). assert (r2 : 0 <= F) by (simpl in *; lra).
@@ -505,6 +512,513 @@ Proof.
 Qed.
 End Determinant.
 
+(* ---- The quotients of the margin, as they are computed ---- *)
+Section Quotient.
+Variable x : nat -> R.
+Open Scope R_scope.
+Local Notation u := (/ 16777216).
+Local Notation h := h32.
+Definition reach_sum := Add (Given point_error 0) (Given side 0).
+Definition e_sum := let E := Given error 0 in let F := Mul reach_sum (Given error_w 0) in Add (Add (Add E F) E) F.
+Definition rho_sum greatest w := Add (Given greatest 0) (Mul (Abs (Diff w a_z)) (Given point_error 0)).
+Definition size_of b c b' c' a a' := Add (Abs (Mul (Diff b a) (Diff c a'))) (Abs (Mul (Diff b' a') (Diff c' a))).
+Definition size_w := size_of b_x c_y b_y c_x a_x a_y.
+Definition size_y := size_of b_x c_z b_z c_x a_x a_z.
+Definition size_x := size_of b_y c_z b_z c_y a_y a_z.
+Definition np_sum := Add (Add (Times underflow_term (Add reach_sum (Const 1)))
+  (Times 2 (Add (Add (Mul e_sum (rho_sum greater_3 b_z)) (Mul e_sum (rho_sum greater_6 c_z))) (Mul e_sum e_sum))))
+  (Times of_products (Add size_w (Add (Mul size_y reach_sum) (Mul size_x reach_sum)))).
+Definition over_of d := Add np_sum (Mul largest d).
+Definition under_of n d := Sub (Abs n) (Times inflation d).
+Lemma quotients_are : quotient_4_over = over_of delta /\ quotient_4_under = under_of determinant delta /\
+  quotient_5_over = Add (Abs quotient_1_over) (Abs quotient_2_over) /\ quotient_5_under = quotient_4_under.
+Proof. repeat split. Qed.
+
+Definition sides := ((b_x, a_x) :: (b_y, a_y) :: (b_z, a_z) :: (c_x, a_x) :: (c_y, a_y) :: (c_z, a_z) :: nil)%list.
+Lemma size_in S s : (forall i j, List.In (i, j) sides -> Rabs (x i - x j) <= S) -> List.In s (size_x :: size_y :: size_w :: nil)%list ->
+  loses x s (h * (24 * S + 20)) /\ permanent x s = real x s /\ 0 <= real x s /\ (roundings s <= 16)%nat.
+Proof.
+  intros short I. destruct h32_powers as [h0 _]. simpl in h0.
+  assert (S0 : 0 <= S) by (eapply Rle_trans; [apply Rabs_pos | apply (short b_x a_x); cbn; tauto]).
+  assert (hS := Rmult_le_pos h S ltac:(lra) S0). assert (hh := Rmult_le_compat_l h _ _ ltac:(lra) (proj2 h0)).
+  assert (one : forall i j k l, List.In (i, j) sides -> List.In (k, l) sides -> loses x (Abs (Mul (Diff i j) (Diff k l))) (h * (11 * S + 4))).
+  { intros i j k l A B. eapply loses_abs; [apply (loses_mul x _ _ S S (5 * h) (5 * h)); try (cbn; lia); try exact (short _ _ A); try exact (short _ _ B);
+      try (apply loses_diff; apply Rle_refl); apply Rle_refl | lra]. }
+  assert (P : only_positive x s) by (destruct I as [<- | [<- | [<- | []]]]; cbn; tauto).
+  destruct (permanent_is x s P). repeat split; auto; [| destruct I as [<- | [<- | [<- | []]]]; cbn; lia].
+  destruct I as [<- | [<- | [<- | []]]]; (eapply loses_add; [apply one; cbn; tauto | apply one; cbn; tauto | lra]).
+Qed.
+
+Let r := x point_error + x side. Let E := x error. Let F := x error_w.
+Hypotheses (side_in : 1 <= x side <= 2 ^ 16) (point_error_in : 0 <= x point_error <= 2 ^ 16).
+Hypotheses (E_in : / 2 ^ 90 <= E) (F_in : / 2 ^ 90 <= F).
+Hypotheses (greater_3_in : 0 <= x greater_3) (greater_6_in : 0 <= x greater_6).
+Let e := E + r * F + E + r * F.
+Let rho_1 := x greater_3 + Rabs (x b_z - x a_z) * x point_error.
+Let rho_2 := x greater_6 + Rabs (x c_z - x a_z) * x point_error.
+Variable S : R.
+Hypothesis S_in : S <= 4 * r * (rho_1 + rho_2).  (* edge_functions.v, rho_has *)
+Hypothesis short : forall i j, List.In (i, j) sides -> Rabs (x i - x j) <= S.
+Let few := / 85070591730234615865843651857942052864.  (* 2^-126 *)
+Lemma h_in : 0 < h <= few /\ h <= / 68719476736 * E /\ h <= / 68719476736 * F.
+Proof. destruct h32_powers as [[h0 h1] _]. unfold few. simpl in *. repeat split; lra. Qed.
+Lemma r_in : 1 <= r <= 131072 /\ 0 <= x point_error <= r.
+Proof. unfold r. simpl in *. lra. Qed.
+Lemma e_in : 0 <= r * F /\ F <= r * F /\ h * r <= / 68719476736 * e /\ h <= / 68719476736 * e /\ F <= e /\
+  h * F <= / 68719476736 * e.
+Proof.
+  destruct h_in as (h0 & hE & hF). destruct r_in as (r0 & _). unfold few in h0.
+  assert (G := Rmult_le_compat_r r _ _ ltac:(lra) hF). assert (G2 := Rmult_le_compat_r F 1 r ltac:(lra) ltac:(lra)).
+  assert (G3 := Rmult_le_compat_r F h 1 ltac:(lra) ltac:(lra)).
+  assert (G4 := Rmult_le_compat_r F _ _ ltac:(lra) (proj2 h0)).
+  unfold e. repeat split; lra.
+Qed.
+Lemma loses_e : loses x e_sum (/ 1073741824 * e) /\ permanent x e_sum = e /\ roundings e_sum = 5%nat.
+Proof.
+  destruct h_in as (h0 & hE & hF). destruct r_in as (r0 & p0). destruct e_in as (e0 & e1 & e2 & e3 & e4 & e5). unfold few in h0.
+  split; [| split; [| reflexivity]].
+  - assert (LR : loses x reach_sum (5 * h)).
+    { apply (loses_add x _ _ h h); try (apply loses_given); lra. }
+    assert (LF : loses x (Mul reach_sum (Given error_w 0)) (h * (2 * r + 6 * F + 3))).
+    { apply (loses_mul x _ _ r F (5 * h) h); try exact LR; try (apply loses_given; lra); try (cbn; lia);
+        [cbn; unfold r; rewrite !Rabs_pos_eq; lra | cbn; unfold F; rewrite Rabs_pos_eq; unfold F in *; lra |].
+      assert (hh := Rmult_le_compat_l h _ _ ltac:(lra) (proj2 h0)). assert (hr := Rmult_le_compat_l h _ _ ltac:(lra) (proj1 r0)).
+      assert (hF0 := Rmult_le_pos h F ltac:(lra) ltac:(lra)). lra. }
+    assert (hF0 := Rmult_le_pos h F ltac:(lra) ltac:(lra)).
+    eapply loses_add; [| exact LF |]; [eapply loses_add; [| apply loses_given |]; [eapply loses_add; [| exact LF |] | |] |];
+      try apply loses_given; try apply Rle_refl. lra.
+  - unfold e, e_sum, r, E, F in *. cbn. rewrite !Rabs_pos_eq; lra.
+Qed.
+Lemma loses_rho g w : 0 <= x g -> List.In (w, a_z) sides ->
+  loses x (rho_sum g w) (h * (2 * S + 8 * r + 10)).
+Proof.
+  intros G W. apply short in W. destruct h_in as (h0 & hE & hF). destruct r_in as (r0 & p0). unfold few in h0, hE, hF.
+  assert (S0 : 0 <= S) by (eapply Rle_trans; [apply Rabs_pos | exact W]).
+  assert (hp := Rmult_le_compat_l h _ _ ltac:(lra) (proj2 p0)). assert (hS := Rmult_le_pos h S ltac:(lra) S0).
+  assert (hp0 := Rmult_le_pos h _ ltac:(lra) (proj1 p0)). assert (hh := Rmult_le_compat_l h _ _ ltac:(lra) (proj2 h0)).
+  eapply loses_add; [apply loses_given; apply Rle_refl | |].
+  - apply (loses_mul x _ _ S (x point_error) (6 * h) h); try (cbn; lia); [exact W | cbn; rewrite Rabs_pos_eq; lra | | apply loses_given; lra | apply Rle_refl].
+    eapply loses_abs; [apply loses_diff; apply Rle_refl | lra].
+  - lra.
+Qed.
+Lemma np_is : real x np_sum = / 1237940039285380274899124224 * (r + 1) + 2 * (e * rho_1 + e * rho_2 + e * e) +
+  / 4194304 * (real x size_w + (real x size_y * r + real x size_x * r)).
+Proof.
+  unfold np_sum. cbn [real]. change (real x e_sum) with e. change (real x reach_sum) with r. change (real x (rho_sum greater_3 b_z)) with rho_1.
+  change (real x (rho_sum greater_6 c_z)) with rho_2. rewrite Q2R_1, Q2R_2.
+  replace (Q2R of_products) with (/ 4194304) by (unfold Q2R; simpl; lra).
+  replace (Q2R underflow_term) with (/ 1237940039285380274899124224) by (unfold Q2R; simpl; lra). reflexivity.
+Qed.
+Lemma loses_np : loses x np_sum (/ 4000 * real x np_sum).
+Proof.
+  rewrite np_is. destruct h_in as (h0 & hE & hF). destruct r_in as (r0 & p0). destruct e_in as (e0 & e1 & e2 & e3 & e4 & e5).
+  assert (S0 : 0 <= S) by (eapply Rle_trans; [apply Rabs_pos | apply (short b_x a_x); cbn; tauto]). unfold few in h0.
+  destruct loses_e as (Le & Pe & Re). assert (L1 := loses_rho greater_3 b_z greater_3_in ltac:(cbn; tauto)).
+  assert (L2 := loses_rho greater_6 c_z greater_6_in ltac:(cbn; tauto)).
+  destruct (size_in S size_x short ltac:(cbn; tauto)) as (Lx & Px & x0 & Rx). destruct (size_in S size_y short ltac:(cbn; tauto)) as (Ly & Py & y0 & Ry).
+  destruct (size_in S size_w short ltac:(cbn; tauto)) as (Lw & Pw & w0 & Rw).
+  assert (rho1 : permanent x (rho_sum greater_3 b_z) = rho_1 /\ 0 <= rho_1) by (apply permanent_is; cbn; tauto).
+  assert (rho2 : permanent x (rho_sum greater_6 c_z) = rho_2 /\ 0 <= rho_2) by (apply permanent_is; cbn; tauto).
+  destruct rho1 as [P1 q1]. destruct rho2 as [P2 q2]. set (q := rho_1 + rho_2) in *.
+  assert (LR : loses x reach_sum (5 * h)).
+  { apply (loses_add x _ _ h h); try (apply loses_given); lra. }
+  assert (PR : permanent x reach_sum = r) by (cbn; unfold r; rewrite !Rabs_pos_eq; lra).
+  assert (e_0 : 0 <= e) by lra. assert (eq := Rmult_le_pos e q e_0 ltac:(unfold q; lra)). assert (ee := Rmult_le_pos e e e_0 e_0).
+  set (l := h * (2 * S + 8 * r + 10)) in *.
+  assert (hrq : h * (4 * r * q) <= / 1000000000000000 * q).
+  { assert (G := Rmult_le_compat_r q (h * (4 * r)) (/ 1000000000000000) ltac:(unfold q; lra)).
+    assert (G2 := Rmult_le_compat h (/ 85070591730234615865843651857942052864) r 131072 ltac:(lra) ltac:(lra) ltac:(lra) ltac:(lra)).
+    specialize (G ltac:(lra)). lra. }
+  assert (q_0 : 0 <= q) by (unfold q; lra).
+  assert (hS := Rmult_le_compat_l h _ _ ltac:(lra) S_in). fold q in hS.
+  assert (l_in : 0 <= l <= / 100000000000000 * q + / 1000000000 * e).
+  { unfold l. split; [apply Rmult_le_pos; lra |]. lra. }
+  assert (el := Rmult_le_compat_l e _ _ e_0 (proj2 l_in)). assert (el0 := Rmult_le_pos _ _ e_0 (proj1 l_in)).
+  assert (of_rho : forall g w rho, permanent x (rho_sum g w) = rho -> 0 <= rho <= q -> loses x (rho_sum g w) l ->
+    loses x (Mul e_sum (rho_sum g w)) (/ 100000000 * (e * q + e * e) + 3 * h)).
+  { intros g w rho P q0 L. apply (loses_mul x _ _ e rho (/ 1073741824 * e) l); auto; try (rewrite Re; lia); try (cbn; lia); try lra.
+    assert (er := Rmult_le_compat_l e _ _ e_0 (proj2 q0)). lra. }
+  assert (M1 := of_rho _ _ _ P1 ltac:(unfold q; lra) L1). assert (M2 := of_rho _ _ _ P2 ltac:(unfold q; lra) L2).
+  assert (M3 : loses x (Mul e_sum e_sum) (/ 100000000 * (e * e) + 3 * h)).
+  { apply (loses_mul x _ _ e e (/ 1073741824 * e) (/ 1073741824 * e)); auto; try (rewrite Re; lia); try lra. }
+  set (s_x := real x size_x) in *. set (s_y := real x size_y) in *. set (s_w := real x size_w) in *.
+  set (k := h * (24 * S + 20)) in *.
+  assert (k_in : 0 <= k <= 24 * (h * (4 * r * q)) + 20 * h).
+  { unfold k. split; [apply Rmult_le_pos; lra |]. lra. }
+  assert (hrr : h * (4 * r * q) * r <= / 100000 * (e * q)).
+  { assert (G := Rmult_le_compat_r (4 * (r * q)) _ _ ltac:(apply Rmult_le_pos; [lra | apply Rmult_le_pos; unfold q; lra]) e2).
+    assert (G2 := Rmult_le_compat_l (e * q) _ _ eq (proj2 r0)). lra. }
+  assert (kr : 0 <= k * r <= 24 / 100000 * (e * q) + 20 * (h * r)).
+  { split; [apply Rmult_le_pos; lra |]. assert (G := Rmult_le_compat_r r _ _ ltac:(lra) (proj2 k_in)). lra. }
+  assert (kq : k <= k * r) by (assert (G := Rmult_le_compat_l k _ _ ltac:(lra) (proj1 r0)); lra).
+  assert (hr0 := Rmult_le_pos h r ltac:(lra) ltac:(lra)).
+  assert (hr1 : h * r <= / 85070591730234615865843651857942052864 * r) by (apply Rmult_le_compat_r; lra).
+  assert (of_size : forall s v, permanent x s = v -> 0 <= v -> (roundings s <= 16)%nat -> loses x s k ->
+    loses x (Mul s reach_sum) (/ 1000000 * (v * r) + 2 * (k * r) + 3 * h)).
+  { intros s v P v0 K L. apply (loses_mul x _ _ v r k (5 * h)); auto; try (cbn; lia); try lra.
+    assert (vr := Rmult_le_compat_l v _ _ v0 (proj1 r0)). assert (vh := Rmult_le_compat_l v _ _ v0 (proj2 h0)).
+    assert (kh := Rmult_le_compat_l k _ _ (proj1 k_in) (proj2 h0)). lra. }
+  assert (N1 := of_size _ _ Py y0 Ry Ly). assert (N2 := of_size _ _ Px x0 Rx Lx).
+  assert (yr := Rmult_le_pos _ r y0 ltac:(lra)). assert (xr := Rmult_le_pos _ r x0 ltac:(lra)).
+  assert (two : Rabs (Q2R 2) = 2) by (rewrite Q2R_2, Rabs_pos_eq; lra).
+  assert (cp : Rabs (Q2R of_products) = / 4194304) by (unfold Q2R; simpl; rewrite Rabs_pos_eq; lra).
+  assert (cu : Rabs (Q2R underflow_term) = / 1237940039285380274899124224) by (unfold Q2R; simpl; rewrite Rabs_pos_eq; lra).
+  assert (eq_is : e * q = e * rho_1 + e * rho_2) by (unfold q; ring).
+  eapply loses_add; [eapply loses_add; [| | apply Rle_refl] | |].
+  - eapply loses_times; [eapply loses_add; [exact LR | apply loses_const; apply Rle_refl | apply Rle_refl] | apply Rle_refl].
+  - eapply loses_times; [eapply loses_add; [eapply loses_add; [exact M1 | exact M2 | apply Rle_refl] | exact M3 | apply Rle_refl] | apply Rle_refl].
+  - eapply loses_times; [eapply loses_add; [exact Lw | eapply loses_add; [exact N1 | exact N2 | apply Rle_refl] | apply Rle_refl] | apply Rle_refl].
+  - rewrite two, cp, cu. lra.
+Qed.
+
+Let d := x delta_det. Let D := Rabs (x det). Let L := real x largest. Let T := real x np_sum. Let N := Rabs (x N_x) + Rabs (x N_y).
+Hypothesis delta_in : / 2 ^ 91 <= d.
+Lemma T_in : h <= / 68719476736 * T /\ h * r <= / 68719476736 * T /\ 0 <= T /\ 0 <= L /\ h * L <= / 34359738368 * (L * d).
+Proof.
+  destruct h_in as (h0 & hE & hF). destruct r_in as (r0 & p0). destruct e_in as (e0 & e1 & e2 & e3 & e4 & e5).
+  assert (rho1 : permanent x (rho_sum greater_3 b_z) = rho_1 /\ 0 <= rho_1) by (apply permanent_is; cbn; tauto).
+  assert (rho2 : permanent x (rho_sum greater_6 c_z) = rho_2 /\ 0 <= rho_2) by (apply permanent_is; cbn; tauto).
+  destruct (size_in S size_x short ltac:(cbn; tauto)) as (_ & _ & x0 & _). destruct (size_in S size_y short ltac:(cbn; tauto)) as (_ & _ & y0 & _).
+  destruct (size_in S size_w short ltac:(cbn; tauto)) as (_ & _ & w0 & _). destruct rho1 as [_ q1]. destruct rho2 as [_ q2].
+  assert (T_is := np_is). fold T in T_is. assert (k0 : 0 <= e) by lra. assert (k1 := Rmult_le_pos _ _ k0 q1). assert (k2 := Rmult_le_pos _ _ k0 q2).
+  assert (k3 := Rmult_le_pos _ _ k0 k0). assert (k4 := Rmult_le_pos _ r y0 ltac:(lra)). assert (k5 := Rmult_le_pos _ r x0 ltac:(lra)).
+  assert (hr : h * r <= few * r) by (apply Rmult_le_compat_r; lra). unfold few in h0, hr. simpl in delta_in.
+  assert (L0 : 0 <= L) by (apply permanent_is; cbn; repeat split; lra).
+  assert (Ld := Rmult_le_compat_r L h (/ 34359738368 * d) L0 ltac:(lra)).
+  repeat split; lra.
+Qed.
+Theorem over_least v : computes32 x (over_of (Given delta_det 0)) v -> (1 - / 3000) * (T + L * d) - / 2 ^ 100 * d <= v.
+Proof.
+  intros C. destruct h_in as (h0 & hE & hF). destruct r_in as (r0 & p0). destruct T_in as (T1 & T2 & T0 & L0 & hL). unfold few in h0.
+  assert (PL : permanent x largest = L /\ 0 <= L) by (apply permanent_is; cbn; repeat split; lra). destruct PL as [PL _].
+  assert (d0 : 0 <= d) by (simpl in delta_in; lra).
+  assert (LR : loses x reach_sum (5 * h)).
+  { apply (loses_add x _ _ h h); try (apply loses_given); lra. }
+  assert (PR : permanent x reach_sum = r) by (cbn; unfold r; rewrite !Rabs_pos_eq; lra).
+  assert (hr0 := Rmult_le_pos h r ltac:(lra) ltac:(lra)). assert (hL0 := Rmult_le_pos h L ltac:(lra) L0).
+  assert (Q : Rabs (x quotient_1) + Rabs (x quotient_2) <= L).
+  { unfold L. cbv [largest margin real]. assert (b1 := Rabs_pos (x quotient_1)). assert (b2 := Rabs_pos (x quotient_2)).
+    assert (b3 := Rabs_pos (x quotient_3)). fold r.
+    assert (c1 := Rmult_le_compat_l _ _ _ b1 (proj1 r0)). assert (c2 := Rmult_le_compat_l _ _ _ b2 (proj1 r0)). lra. }
+  assert (hQ := Rmult_le_compat_l h _ _ ltac:(lra) Q).
+  assert (of_slope : forall q, loses x (Mul (Abs (Given q 5)) reach_sum) (h * (6 * Rabs (x q) + 3 * r + 3))).
+  { intros q. eapply (loses_mul x _ _ (Rabs (x q)) r (2 * h) (5 * h)); try (cbn; lia); try (cbn; lra); try lra; auto.
+    - eapply loses_abs; [apply loses_given; apply Rle_refl | lra].
+    - assert (q0 := Rmult_le_pos h _ ltac:(lra) (Rabs_pos (x q))). assert (hh := Rmult_le_compat_l h _ _ ltac:(lra) (proj2 h0)). lra. }
+  assert (LL : loses x largest (h * (7 * L + 7 * r + 20))).
+  { eapply loses_add; [eapply loses_abs; [apply loses_given; apply Rle_refl | apply Rle_refl] | eapply loses_add; [apply of_slope |
+      apply of_slope | apply Rle_refl] |]. lra. }
+  assert (LM : loses x (Mul largest (Given delta_det 0)) (/ 1000000000 * (L * d) + / 2 ^ 101 * d + / 1000000000 * T)).
+  { apply (loses_mul x _ _ L d (h * (7 * L + 7 * r + 20)) h); auto; try (cbn; lia); try lra.
+    - cbn. unfold d. rewrite Rabs_pos_eq; unfold d in d0; lra.
+    - apply loses_given. lra.
+    - assert (dr := Rmult_le_compat_r (7 * r * d + 20 * d) h _ ltac:(repeat apply Rplus_le_le_0_compat; repeat apply Rmult_le_pos; lra) (proj2 h0)).
+      assert (rd := Rmult_le_compat_r d _ _ d0 (proj2 r0)). assert (Ld := Rmult_le_pos L d L0 d0).
+      assert (hLd := Rmult_le_compat_r (L * d) _ _ Ld (proj2 h0)). assert (hhL := Rmult_le_compat_l (h * L) _ _ hL0 (proj2 h0)).
+      assert (hhr := Rmult_le_compat_l (h * r) _ _ hr0 (proj2 h0)). assert (hh := Rmult_le_compat_l h _ _ ltac:(lra) (proj2 h0)).
+      simpl. lra. }
+  assert (LO : loses x (over_of (Given delta_det 0)) (/ 3500 * T + / 1000000 * (L * d) + / 2 ^ 100 * d)).
+  { eapply loses_add; [exact loses_np | exact LM |]. fold T. assert (Ld := Rmult_le_pos L d L0 d0). simpl. lra. }
+  assert (P : only_positive x (over_of (Given delta_det 0))).
+  { cbn -[Q2R]. rewrite ?Q2R_1, ?Q2R_2. repeat split; try exact I; try (unfold Q2R; simpl; lra); unfold E, F, d in *; simpl in E_in, F_in; lra. }
+  assert (M := least_positive x _ _ v P ltac:(vm_compute; lia) LO C). change (real x (over_of (Given delta_det 0))) with (T + L * d) in M.
+  assert (Ld := Rmult_le_pos L d L0 d0). lra.
+Qed.
+Theorem under_most w : computes32 x (under_of (Given det 0) (Given delta_det 0)) w -> 0 < w ->
+  w <= (1 + 2 * u) * (D - (1 + / 200) * d).
+Proof.
+  intros C w0. destruct h_in as (h0 & hE & hF). unfold few in h0. simpl in delta_in.
+  destruct (step32_sub _ _ _ _ C) as (p & t & Cp & Ct & R).
+  assert (p_is : p <= D + h).
+  { inversion Cp as [ | | | | | ? q s Cq S' | | | | ]; subst. apply given32_is in Cq. subst q. apply seen32_near in S'.
+    assert (G := Rabs_triang (s - x det) (x det)). replace (s - x det + x det) with s in G by ring. fold D in G. lra. }
+  assert (i : 10099 / 10000 <= Q2R inflation <= 2).
+  { replace (10099 / 10000) with (Q2R (10099 # 10000)) by (unfold Q2R; simpl; lra). rewrite <- Q2R_2.
+    split; apply Qle_Rle, Qle_bool_iff; vm_compute; reflexivity. }
+  assert (M := least_times x inflation _ d t Ct ltac:(lra) ltac:(lra) ltac:(intros q K; apply given32_is in K; fold d in K; lra)).
+  assert (id := Rmult_le_compat_r d _ _ ltac:(lra) (proj1 i)). assert (ih := Rmult_le_compat_l h _ _ ltac:(lra) (proj2 i)).
+  destruct (Rle_dec 0 (p - t)) as [pos | neg].
+  - rewrite (Rabs_pos_eq (p - t)) in R by exact pos. apply between in R. lra.
+  - rewrite (Rabs_left (p - t)) in R by lra. apply between in R. lra.
+Qed.
+(* So both quotients are at least what quotient_moves asks for: d_p is the error of N . p with what the point's own adds, d_D that of
+   det, l is at least the height. *)
+Definition of_quotient : Q := 1 + (85 # 10000).
+Theorem quotients_are_enough v w v_5 d_p d_D l : computes32 x (over_of (Given delta_det 0)) v ->
+  computes32 x (under_of (Given det 0) (Given delta_det 0)) w -> computes32 x (Add (Abs (Given N_x 0)) (Abs (Given N_y 0))) v_5 ->
+  0 < w -> D <= 5 * w -> 0 <= d_p <= (1 + / 1000) * T + N * x point_error -> 0 <= d_D <= (1 + / 300) * d -> 0 <= l <= L + / 2 ^ 100 ->
+  d_D < D /\ (d_p + l * d_D) / (D - d_D) <= Q2R of_quotient * (v / w + v_5 / w * x point_error) + / 2 ^ 95.
+Proof.
+  intros Cv Cw C5 w0 usable p_in D_in l_in. assert (V := over_least _ Cv). assert (W := under_most _ Cw w0).
+  destruct h_in as (h0 & hE & hF). destruct r_in as (r0 & p0). destruct T_in as (T1 & T2 & T0 & L0 & hL). unfold few in h0. simpl in delta_in.
+  assert (V5 := least_positive x (Add (Abs (Given N_x 0)) (Abs (Given N_y 0))) (7 * h) v_5 ltac:(cbn; tauto) ltac:(vm_compute; lia)
+    ltac:(apply (loses_add x _ _ (2 * h) (2 * h)); [apply (loses_abs x _ h); [apply loses_given; lra | lra] |
+      apply (loses_abs x _ h); [apply loses_given; lra | lra] | lra]) C5). cbn [real] in V5. fold N in V5.
+  replace (Q2R of_quotient) with (10085 / 10000) by (unfold Q2R, of_quotient; simpl; lra).
+  set (pe := x point_error) in *. assert (V5p := Rmult_le_compat_r pe _ _ (proj1 p0) V5).
+  assert (hp := Rmult_le_compat_l h _ _ ltac:(lra) (proj2 p0)).
+  assert (N0 : 0 <= N) by (unfold N; apply Rplus_le_le_0_compat; apply Rabs_pos). assert (Np := Rmult_le_pos _ _ N0 (proj1 p0)).
+  assert (Ld := Rmult_le_pos L d L0 ltac:(lra)). set (G := D - d_D).
+  assert (G0 : 0 < G) by (unfold G; lra). split; [unfold G in G0; lra |].
+  assert (Iw := Rinv_0_lt_compat _ w0). assert (IG := Rinv_0_lt_compat _ G0).
+  assert (Gw : / G <= (1 + 2 * u) * / w).
+  { apply Rmult_le_reg_r with G; [exact G0 |]. rewrite Rinv_l by lra.
+    assert (W2 : w <= (1 + 2 * u) * G) by (unfold G; lra).
+    assert (K := Rmult_le_compat_r (/ w) _ _ ltac:(lra) W2). rewrite Rinv_r in K by lra. lra. }
+  assert (ld : l * d_D <= (1 + / 300) * (L * d) + / 2 ^ 99 * d).
+  { assert (K := Rmult_le_compat _ _ _ _ (proj1 l_in) (proj1 D_in) (proj2 l_in) (proj2 D_in)). simpl in *. lra. }
+  assert (ld0 := Rmult_le_pos _ _ (proj1 l_in) (proj1 D_in)).
+  assert (T_is : d_p + l * d_D <= 10084 / 10000 * (v + v_5 * pe) + / 2 ^ 98 * d) by (simpl in *; lra).
+  unfold Rdiv. eapply Rle_trans; [apply Rmult_le_compat; [lra | lra | exact T_is | exact Gw] |].
+  assert (dw : d * / w <= 5).
+  { apply Rmult_le_reg_r with w; [exact w0 |]. rewrite Rmult_assoc, Rinv_l by lra. lra. }
+  assert (vw : - (/ 2 ^ 98 * (d * / w)) <= 10084 / 10000 * ((v + v_5 * pe) * / w)).
+  { assert (K := Rmult_le_compat_r (/ w) 0 _ ltac:(lra) (Rle_trans _ _ _ (Rplus_le_le_0_compat _ _ (proj1 p_in) ld0) T_is)). lra. }
+  assert (dw0 := Rmult_le_pos d (/ w) ltac:(lra) ltac:(lra)). simpl in *. lra.
+Qed.
+(* d_p and d_D, by products_near, cross_moves and delta_np_has_it, and by determinant_moves. *)
+Theorem np_has_it : 2 * (rho_1 * e + rho_2 * e + e * e) + ((1 + / 1048576) * Q2R of_products * real x sizes +
+  (2 * r + 1) * normal_loses S) <= (1 + / 1000) * T.
+Proof.
+  destruct h_in as (h0 & hE & hF). destruct r_in as (r0 & p0). destruct e_in as (e0 & e1 & e2 & e3 & e4 & e5). unfold few in h0.
+  assert (q1 : 0 <= rho_1) by (apply (permanent_is x (rho_sum greater_3 b_z)); cbn; tauto).
+  assert (q2 : 0 <= rho_2) by (apply (permanent_is x (rho_sum greater_6 c_z)); cbn; tauto).
+  assert (Ee : / 2 ^ 90 * r <= e).
+  { assert (G := Rmult_le_compat_l r _ _ ltac:(lra) F_in). unfold e. lra. }
+  assert (G := delta_np_has_it x side_in point_error_in (4 * r * (rho_1 + rho_2)) rho_1 rho_2 e e eq_refl q1 q2 Ee Ee). fold r in G.
+  assert (M : (2 * r + 1) * normal_loses S <= (2 * r + 1) * normal_loses (4 * r * (rho_1 + rho_2))).
+  { apply Rmult_le_compat_l; [lra |]. unfold normal_loses. apply Rmult_le_compat_l; lra. }
+  destruct (size_in S size_x short ltac:(cbn; tauto)) as (_ & _ & x0 & _).
+  destruct (size_in S size_y short ltac:(cbn; tauto)) as (_ & _ & y0 & _).
+  destruct (size_in S size_w short ltac:(cbn; tauto)) as (_ & _ & w0 & _).
+  assert (k4 := Rmult_le_pos _ r y0 ltac:(lra)). assert (k5 := Rmult_le_pos _ r x0 ltac:(lra)).
+  assert (k1 := Rmult_le_pos _ e q1 ltac:(lra)).
+  assert (k2 := Rmult_le_pos _ e q2 ltac:(lra)). assert (k3 := Rmult_le_pos e e ltac:(lra) ltac:(lra)).
+  assert (T_is := np_is). fold T in T_is.
+  change (real x sizes) with (real x size_w + (real x size_y * r + real x size_x * r)).
+  replace (Q2R of_products) with (/ 4194304) by (unfold Q2R; simpl; lra).
+  replace (/ 2 ^ 90) with (/ 1237940039285380274899124224) in G by (simpl; lra). lra.
+Qed.
+Lemma det_has_it A : (1 - / 2000) * A <= d -> (1 + / 2 ^ 10) * A <= (1 + / 300) * d.
+Proof. simpl. simpl in delta_in. lra. Qed.
+End Quotient.
+
+(* ---- delta_determinant, as it is computed ---- *)
+Section Delta.
+Variable x : nat -> R.
+Open Scope R_scope.
+Local Notation h := h32.
+Definition product_with n a := Abs (Mul n (Given a 0)).
+Definition of_n n_x n_y n_w := Add (Add (Add (Add (Mul (Abs n_x) (Given error 0)) (Mul (Abs n_y) (Given error 0)))
+  (Mul (Abs n_w) (Given error_w 0)))
+  (Times (1 # 4194304) (Add (product_with n_w a_z) (Add (product_with n_x a_x) (product_with n_y a_y)))))
+  (Times underflow_term (Add (Add (Abs (Given a_z 0)) (Add (Abs (Given a_x 0)) (Abs (Given a_y 0)))) (Const 1))).
+Definition far_of a e := Add (Abs (Given a 0)) (Given e 0).
+Definition far_x := far_of a_x error.
+Definition far_y := far_of a_y error.
+Definition far_w := far_of a_z error_w.
+Definition errors_sum := Add (Add (Add (Given error 0) (Given error 0)) (Given error_w 0)) (Given error_w 0).
+Definition side_of v_z v_x v_y := Add (Abs (Diff v_z a_z)) (Add (Abs (Diff v_x a_x)) (Abs (Diff v_y a_y))).
+Definition delta_n := Add (Add (Mul (side_of b_z b_x b_y) errors_sum) (Mul (side_of c_z c_x c_y) errors_sum))
+  (Times 2 (Mul errors_sum errors_sum)).
+Definition anywhere := Add (Mul (Add far_w (Add far_x far_y)) delta_n)
+  (Times (1 # 4194304) (Add (Add (Mul far_x size_x) (Mul far_y size_y)) (Mul far_w size_w))).
+Definition delta_of more := Add (of_n (Given N_x 0) (Given N_y 0) (Given N_w 0)) more.
+Lemma delta_parts : delta = Add (of_n quotient_1_over quotient_2_over quotient_3_over) anywhere.
+Proof. reflexivity. Qed.
+
+Let E := x error. Let F := x error_w.
+Hypotheses (E_in : / 2 ^ 90 <= E) (F_in : / 2 ^ 90 <= F).
+Let R1 := real x (of_n (Given N_x 0) (Given N_y 0) (Given N_w 0)).
+Let far := Rabs (x a_z) + (Rabs (x a_x) + Rabs (x a_y)).
+Let n := Rabs (x N_x) * E + Rabs (x N_y) * E + Rabs (x N_w) * F.
+Lemma errors_in : 0 < h <= / 85070591730234615865843651857942052864 /\ h <= / 68719476736 * E /\ h <= / 68719476736 * F /\
+  / 1237940039285380274899124224 <= E /\ / 1237940039285380274899124224 <= F.
+Proof. destruct h32_powers as [[h0 h1] _]. unfold E, F in *. simpl in *. repeat split; lra. Qed.
+Lemma R1_is : R1 = n + / 4194304 * (Rabs (x N_w * x a_z) + (Rabs (x N_x * x a_x) + Rabs (x N_y * x a_y))) +
+  / 1237940039285380274899124224 * (far + 1) /\ 0 <= n /\ 0 <= far.
+Proof.
+  destruct errors_in as (h0 & hE & hF & E0 & F0). split.
+  - unfold R1, of_n, n, far, E, F. cbn [real]. rewrite Q2R_1. replace (Q2R (1 # 4194304)) with (/ 4194304) by (unfold Q2R; simpl; lra).
+    replace (Q2R underflow_term) with (/ 1237940039285380274899124224) by (unfold Q2R; simpl; lra). reflexivity.
+  - unfold n, far. assert (b1 := Rabs_pos (x N_x)). assert (b2 := Rabs_pos (x N_y)). assert (b3 := Rabs_pos (x N_w)).
+    assert (c1 := Rabs_pos (x a_x)). assert (c2 := Rabs_pos (x a_y)). assert (c3 := Rabs_pos (x a_z)).
+    split; [| lra]. repeat apply Rplus_le_le_0_compat; apply Rmult_le_pos; lra.
+Qed.
+Lemma loses_of_n : loses x (of_n (Given N_x 0) (Given N_y 0) (Given N_w 0)) (/ 10000 * R1 + 20 * (h * (E + F))).
+Proof.
+  destruct errors_in as (h0 & hE & hF & E0 & F0). destruct R1_is as (R_is & n0 & f0). rewrite R_is.
+  assert (hh := Rmult_le_compat_l h _ _ ltac:(lra) (proj2 h0)).
+  assert (hE0 := Rmult_le_pos h E ltac:(lra) ltac:(lra)). assert (hF0 := Rmult_le_pos h F ltac:(lra) ltac:(lra)).
+  assert (one : forall i e, / 1237940039285380274899124224 <= x e -> h <= / 68719476736 * x e ->
+    loses x (Mul (Abs (Given i 0)) (Given e 0)) (/ 34359738368 * (Rabs (x i) * x e) + 3 * (h * x e) + 3 * h)).
+  { intros i e e0 he. apply (loses_mul x _ _ (Rabs (x i)) (x e) (2 * h) h); try (cbn; lia); try (cbn; lra).
+    - cbn. rewrite Rabs_pos_eq; lra.
+    - eapply loses_abs; [apply loses_given; apply Rle_refl | lra].
+    - apply loses_given; lra.
+    - assert (G := Rmult_le_compat_l _ _ _ (Rabs_pos (x i)) he). assert (G2 := Rmult_le_pos _ (x e) (Rabs_pos (x i)) ltac:(lra)).
+      assert (G3 := Rmult_le_pos h (x e) ltac:(lra) ltac:(lra)). lra. }
+  assert (product : forall i a e, h <= / 68719476736 * x e -> loses x (product_with (Given i 0) a)
+    (/ 34359738368 * (Rabs (x i) * x e) + 2 * (h * Rabs (x a)) + 5 * h)).
+  { intros i a e he. eapply loses_abs; [apply (loses_mul x _ _ (Rabs (x i)) (Rabs (x a)) h h); try (cbn; lia); try (cbn; lra);
+      try (apply loses_given; lra); apply Rle_refl |].
+    assert (G := Rmult_le_compat_l _ _ _ (Rabs_pos (x i)) he). assert (G2 := Rmult_le_pos h _ ltac:(lra) (Rabs_pos (x a))).
+    assert (G3 := Rmult_le_pos h _ ltac:(lra) (Rabs_pos (x i))). lra. }
+  assert (few : forall a, loses x (Abs (Given a 0)) (2 * h)) by (intros; eapply loses_abs; [apply loses_given; apply Rle_refl | lra]).
+  assert (c4 : Rabs (Q2R (1 # 4194304)) = / 4194304) by (unfold Q2R; simpl; rewrite Rabs_pos_eq; lra).
+  assert (cu : Rabs (Q2R underflow_term) = / 1237940039285380274899124224) by (unfold Q2R; simpl; rewrite Rabs_pos_eq; lra).
+  assert (hfar : h * far <= / 85070591730234615865843651857942052864 * far) by (apply Rmult_le_compat_r; lra).
+  assert (p1 := Rabs_pos (x N_w * x a_z)). assert (p2 := Rabs_pos (x N_x * x a_x)). assert (p3 := Rabs_pos (x N_y * x a_y)).
+  assert (hfar_is : h * far = h * Rabs (x a_z) + h * Rabs (x a_x) + h * Rabs (x a_y)) by (unfold far; ring).
+  assert (n_is : n = Rabs (x N_x) * E + Rabs (x N_y) * E + Rabs (x N_w) * F) by reflexivity.
+  assert (N1 := one N_x error E0 hE). assert (N2 := one N_y error E0 hE). assert (N3 := one N_w error_w F0 hF).
+  assert (Q1 := product N_x a_x error hE). assert (Q2 := product N_y a_y error hE). assert (Q3 := product N_w a_z error_w hF).
+  fold E F in N1, N2, N3, Q1, Q2, Q3.
+  eapply loses_add; [eapply loses_add; [eapply loses_add; [eapply loses_add; [exact N1 | exact N2 | apply Rle_refl] | exact N3 |
+    apply Rle_refl] | eapply loses_times; [eapply loses_add; [exact Q3 | eapply loses_add; [exact Q1 | exact Q2 | apply Rle_refl] |
+    apply Rle_refl] | apply Rle_refl] | apply Rle_refl] | eapply loses_times; [eapply loses_add; [eapply loses_add; [apply few |
+    eapply loses_add; [apply few | apply few | apply Rle_refl] | apply Rle_refl] | apply loses_const; apply Rle_refl | apply Rle_refl] |
+    apply Rle_refl] |].
+  assert (positive : forall p q, 0 <= p -> 0 <= Rabs q * p) by (intros; apply Rmult_le_pos; [apply Rabs_pos | assumption]).
+  assert (n1 := positive E (x N_x) ltac:(lra)). assert (n2 := positive E (x N_y) ltac:(lra)).
+  assert (n3 := positive F (x N_w) ltac:(lra)). assert (a1 := positive h (x a_x) ltac:(lra)).
+  assert (a2 := positive h (x a_y) ltac:(lra)). assert (a3 := positive h (x a_z) ltac:(lra)). rewrite c4, cu. lra.
+Qed.
+Theorem delta_least more A v : only_positive x more -> (roundings more <= 15)%nat -> real x more = A ->
+  loses x more (/ 10000 * (A + R1) + 100 * (h * (E + F))) -> h * (E + F) <= / 536870912 * (A + R1) ->
+  computes32 x (delta_of more) v -> (1 - / 2000) * (R1 + A) <= v /\ / 2 ^ 91 <= v.
+Proof.
+  intros P K A_is La Le C. destruct errors_in as (h0 & hE & hF & E0 & F0). destruct R1_is as (R_is & n0 & f0).
+  assert (A0 : 0 <= A) by (rewrite <- A_is; apply permanent_is; exact P).
+  assert (L : loses x (delta_of more) (/ 4000 * (R1 + A))).
+  { eapply loses_add; [exact loses_of_n | exact La |].
+    assert (p1 := Rabs_pos (x N_w * x a_z)). assert (p2 := Rabs_pos (x N_x * x a_x)). assert (p3 := Rabs_pos (x N_y * x a_y)). lra. }
+  assert (P1 : only_positive x (delta_of more)).
+  { cbn -[Q2R only_positive]. cbn -[Q2R]. unfold E, F in *. rewrite ?Q2R_1. repeat split; try exact I; try (unfold Q2R; simpl; lra); try lra. exact P. }
+  assert (R : (roundings (delta_of more) <= 16)%nat).
+  { unfold delta_of. cbn [roundings]. change (roundings (of_n (Given N_x 0) (Given N_y 0) (Given N_w 0))) with 6%nat. lia. }
+  assert (M := least_positive x _ _ v P1 R L C). change (real x (delta_of more)) with (R1 + real x more) in M. rewrite A_is in M.
+  assert (p1 := Rabs_pos (x N_w * x a_z)). assert (p2 := Rabs_pos (x N_x * x a_x)). assert (p3 := Rabs_pos (x N_y * x a_y)).
+  simpl. split; lra.
+Qed.
+
+(* Where a lies anywhere: R1 + A is determinant_moves' real_delta. *)
+Let far_sum := real x (Add far_w (Add far_x far_y)).
+Let D := real x delta_n. Let q := real x errors_sum.
+Let s_1 := real x (side_of b_z b_x b_y). Let s_2 := real x (side_of c_z c_x c_y).
+Lemma positive_errors e : 0 <= E -> 0 <= F -> List.In e (far_x :: far_y :: far_w :: errors_sum :: side_of b_z b_x b_y :: side_of c_z c_x c_y ::
+  delta_n :: anywhere :: Add far_w (Add far_x far_y) :: nil)%list -> only_positive x e.
+Proof.
+  intros e0 f0 I. unfold E, F in *.
+  destruct I as [<- | [<- | [<- | [<- | [<- | [<- | [<- | [<- | [<- | []]]]]]]]]]; cbn -[Q2R]; rewrite ?Q2R_2; repeat split;
+    try exact I; try lra; unfold Q2R; simpl; lra.
+Qed.
+Lemma loses_delta_n : loses x delta_n (/ 1073741824 * D + 20 * h) /\ permanent x delta_n = D /\ 2 * (q * q) <= D /\ E <= q /\ F <= q /\
+  q * (s_1 + s_2) <= D /\ 0 <= s_1 /\ 0 <= s_2.
+Proof.
+  destruct errors_in as (h0 & hE & hF & E0 & F0). assert (pos := fun e => positive_errors e ltac:(lra) ltac:(lra)).
+  assert (Pq := permanent_is x _ (pos errors_sum ltac:(cbn; tauto))). fold q in Pq.
+  assert (P1 := permanent_is x _ (pos (side_of b_z b_x b_y) ltac:(cbn; tauto))). fold s_1 in P1.
+  assert (P2 := permanent_is x _ (pos (side_of c_z c_x c_y) ltac:(cbn; tauto))). fold s_2 in P2.
+  assert (Pd := permanent_is x _ (pos delta_n ltac:(cbn; tauto))). fold D in Pd.
+  assert (q_is : q = E + E + F + F) by reflexivity. assert (hq : h <= / 274877906944 * q) by lra.
+  assert (D_is : D = s_1 * q + s_2 * q + 2 * (q * q)) by (unfold D, delta_n; cbn [real]; rewrite Q2R_2; reflexivity).
+  assert (k1 := Rmult_le_pos s_1 q (proj2 P1) ltac:(lra)). assert (k2 := Rmult_le_pos s_2 q (proj2 P2) ltac:(lra)).
+  assert (k3 := Rmult_le_pos q q ltac:(lra) ltac:(lra)).
+  destruct P1 as [P1 P10]. destruct P2 as [P2 P20]. split; [| split; [exact (proj1 Pd) |]; repeat split; lra].
+  assert (two : Rabs (Q2R 2) = 2) by (rewrite Q2R_2, Rabs_pos_eq; lra).
+  assert (hh := Rmult_le_compat_l h _ _ ltac:(lra) (proj2 h0)). assert (hqq := Rmult_le_compat_r q _ _ ltac:(lra) hq).
+  assert (Le : loses x errors_sum (12 * h)).
+  { eapply loses_add; [eapply loses_add; [eapply loses_add; [apply loses_given; apply Rle_refl | apply loses_given; apply Rle_refl |
+      apply Rle_refl] | apply loses_given; apply Rle_refl | apply Rle_refl] | apply loses_given; apply Rle_refl |]. lra. }
+  assert (Ls : forall i j k, loses x (side_of i j k) (24 * h)).
+  { assert (one : forall i j, loses x (Abs (Diff i j)) (6 * h)) by (intros; eapply loses_abs; [apply loses_diff; apply Rle_refl | lra]).
+    intros. eapply loses_add; [apply one | eapply loses_add; [apply one | apply one | apply Rle_refl] |]. lra. }
+  assert (of_side : forall e s, permanent x e = s -> 0 <= s -> (roundings e <= 16)%nat -> loses x e (24 * h) ->
+    loses x (Mul e errors_sum) (/ 4294967296 * (s * q + q * q) + 3 * h)).
+  { intros e s P s0 K L. apply (loses_mul x _ _ s q (24 * h) (12 * h)); auto; try (cbn; lia); try lra.
+    assert (hs := Rmult_le_compat_l s _ _ s0 hq). assert (sq := Rmult_le_pos s q s0 ltac:(lra)). lra. }
+  assert (M1 := of_side _ _ P1 P10 ltac:(cbn; lia) (Ls _ _ _)).
+  assert (M2 := of_side _ _ P2 P20 ltac:(cbn; lia) (Ls _ _ _)).
+  assert (M3 : loses x (Mul errors_sum errors_sum) (/ 2147483648 * (q * q) + 3 * h)).
+  { apply (loses_mul x _ _ q q (12 * h) (12 * h)); auto; try (cbn; lia); lra. }
+  eapply loses_add; [eapply loses_add; [exact M1 | exact M2 | apply Rle_refl] | eapply loses_times; [exact M3 | apply Rle_refl] |].
+  rewrite two. lra.
+Qed.
+Lemma delta_is : R1 + real x anywhere = real_delta x (x N_x) (x N_y) (x N_w).
+Proof.
+  rewrite (proj1 R1_is). unfold real_delta, n, far, E, F. cbv [anywhere far_x far_y far_w far_of delta_n side_of errors_sum size_x size_y
+    size_w size_of real]. rewrite !Rabs_mult.
+  replace (Q2R (1 # 4194304)) with (/ 4194304) by (unfold Q2R; simpl; lra). rewrite Q2R_2.
+  replace (/ 2 ^ 90) with (/ 1237940039285380274899124224) by (simpl; lra). ring.
+Qed.
+Theorem anywhere_least v : computes32 x (delta_of anywhere) v -> (1 - / 2000) * (R1 + real x anywhere) <= v /\ / 2 ^ 91 <= v.
+Proof.
+  destruct errors_in as (h0 & hE & hF & E0 & F0). destruct R1_is as (R_is & n0 & f0).
+  destruct loses_delta_n as (Ld & Pd & D0 & q1 & q2 & D1 & s1 & s2). assert (pos := fun e => positive_errors e ltac:(lra) ltac:(lra)).
+  set (A := real x anywhere).
+  assert (Pf := permanent_is x _ (pos (Add far_w (Add far_x far_y)) ltac:(cbn; tauto))). fold far_sum in Pf.
+  assert (Px := permanent_is x _ (pos far_x ltac:(cbn; tauto))). assert (Py := permanent_is x _ (pos far_y ltac:(cbn; tauto))).
+  assert (Pw := permanent_is x _ (pos far_w ltac:(cbn; tauto))).
+  assert (f_is : far_sum = far + (F + (E + E))) by (unfold far_sum, far; cbn; fold E F; ring).
+  assert (fx : real x far_x = Rabs (x a_x) + E) by reflexivity. assert (fy : real x far_y = Rabs (x a_y) + E) by reflexivity.
+  assert (fw : real x far_w = Rabs (x a_z) + F) by reflexivity. assert (c1 := Rabs_pos (x a_x)). assert (c2 := Rabs_pos (x a_y)).
+  assert (c3 := Rabs_pos (x a_z)). assert (far_is : far = Rabs (x a_z) + (Rabs (x a_x) + Rabs (x a_y))) by reflexivity.
+  set (S := s_1 + s_2) in *. assert (S0 : 0 <= S) by (unfold S; lra).
+  assert (short : forall i j, List.In (i, j) sides -> Rabs (x i - x j) <= S).
+  { unfold S, s_1, s_2. cbn. assert (g1 := Rabs_pos (x b_x - x a_x)). assert (g2 := Rabs_pos (x b_y - x a_y)).
+    assert (g3 := Rabs_pos (x b_z - x a_z)). assert (g4 := Rabs_pos (x c_x - x a_x)). assert (g5 := Rabs_pos (x c_y - x a_y)).
+    assert (g6 := Rabs_pos (x c_z - x a_z)).
+    intros i j [H | [H | [H | [H | [H | [H | []]]]]]]; injection H as <- <-; lra. }
+  destruct (size_in x S size_x short ltac:(cbn; tauto)) as (Lx & Ex & x0 & Rx). destruct (size_in x S size_y short ltac:(cbn; tauto)) as (Ly & Ey & y0 & Ry).
+  destruct (size_in x S size_w short ltac:(cbn; tauto)) as (Lw & Ew & w0 & Rw).
+  assert (A_is : A = far_sum * D + / 4194304 * (real x far_x * real x size_x + real x far_y * real x size_y + real x far_w * real x size_w)).
+  { unfold A, anywhere. cbn [real]. replace (Q2R (1 # 4194304)) with (/ 4194304) by (unfold Q2R; simpl; lra). reflexivity. }
+  assert (q0 : 0 <= q) by lra. assert (D00 : 0 <= D) by (assert (0 <= q * q) by (now apply Rmult_le_pos); lra).
+  assert (g1 := Rmult_le_pos _ _ (proj2 Px) x0). assert (g2 := Rmult_le_pos _ _ (proj2 Py) y0). assert (g3 := Rmult_le_pos _ _ (proj2 Pw) w0).
+  assert (fD := Rmult_le_pos _ _ (proj2 Pf) D00). assert (hfD : h * D <= / 68719476736 * (far_sum * D)).
+  { assert (G := Rmult_le_compat_r D h (/ 68719476736 * far_sum) D00 ltac:(lra)). lra. }
+  assert (hfar : h * far <= / 85070591730234615865843651857942052864 * far) by (apply Rmult_le_compat_r; lra).
+  assert (hh := Rmult_le_compat_l h _ _ ltac:(lra) (proj2 h0)). assert (hE0 := Rmult_le_pos h E ltac:(lra) ltac:(lra)).
+  assert (hF0 := Rmult_le_pos h F ltac:(lra) ltac:(lra)). assert (hD0 := Rmult_le_pos h D ltac:(lra) D00).
+  assert (hhD := Rmult_le_compat_r (h * D) _ _ hD0 (proj2 h0)).
+  assert (hfar0 := Rmult_le_pos h far ltac:(lra) f0). assert (hf0 := Rmult_le_pos h far_sum ltac:(lra) (proj2 Pf)).
+  assert (hS : h * S <= / 34359738368 * D).
+  { assert (G := Rmult_le_compat_r S h (/ 68719476736 * q) S0 ltac:(lra)). lra. }
+  assert (hS0 := Rmult_le_pos h S ltac:(lra) S0).
+  intros C. apply (delta_least anywhere A v (pos anywhere ltac:(cbn; tauto)) ltac:(vm_compute; lia) eq_refl); [| | exact C].
+  - assert (one : forall a e, loses x (far_of a e) (6 * h)).
+    { intros. eapply loses_add; [eapply loses_abs; [apply loses_given; apply Rle_refl | apply Rle_refl] | apply loses_given; apply Rle_refl |]. lra. }
+    assert (M1 : loses x (Mul (Add far_w (Add far_x far_y)) delta_n) (/ 100000000 * (far_sum * D) + 21 * (h * far_sum) + 3 * h)).
+    { apply (loses_mul x _ _ far_sum D (24 * h) (/ 1073741824 * D + 20 * h)); try tauto; try (cbn; lia); try lra.
+      eapply loses_add; [apply one | eapply loses_add; [apply one | apply one | apply Rle_refl] |]. lra. }
+    assert (of_size : forall f s, permanent x f = real x f -> h <= / 68719476736 * real x f -> real x f <= far_sum -> (roundings f <= 16)%nat ->
+      loses x f (6 * h) -> permanent x s = real x s -> 0 <= real x s -> (roundings s <= 16)%nat -> loses x s (h * (24 * S + 20)) ->
+      loses x (Mul f s) (/ 100000000 * (real x f * real x s) + / 100000000 * (far_sum * D) + 21 * (h * far_sum) + 3 * h)).
+    { intros f s Pf' hf ff Kf Lf Ps s0 Ks L. apply (loses_mul x _ _ (real x f) (real x s) (6 * h) (h * (24 * S + 20))); auto; try lra.
+      assert (fs := Rmult_le_compat_r _ _ _ s0 hf). assert (fS := Rmult_le_compat (real x f) far_sum (h * S) _ ltac:(lra) hS0 ff hS).
+      assert (fh := Rmult_le_compat_r h _ _ ltac:(lra) ff). assert (hhS := Rmult_le_compat_r (h * S) _ _ hS0 (proj2 h0)).
+      assert (fhS := Rmult_le_compat_r (h * S) _ _ hS0 hf).
+      assert (fs0 := Rmult_le_pos (real x f) _ ltac:(lra) s0). lra. }
+    assert (N1 := of_size far_x size_x (proj1 Px) ltac:(lra) ltac:(lra) ltac:(cbn; lia) (one _ _) Ex x0 Rx Lx).
+    assert (N2 := of_size far_y size_y (proj1 Py) ltac:(lra) ltac:(lra) ltac:(cbn; lia) (one _ _) Ey y0 Ry Ly).
+    assert (N3 := of_size far_w size_w (proj1 Pw) ltac:(lra) ltac:(lra) ltac:(cbn; lia) (one _ _) Ew w0 Rw Lw).
+    assert (c4 : Rabs (Q2R (1 # 4194304)) = / 4194304) by (unfold Q2R; simpl; rewrite Rabs_pos_eq; lra).
+    assert (p1 := Rabs_pos (x N_w * x a_z)). assert (p2 := Rabs_pos (x N_x * x a_x)). assert (p3 := Rabs_pos (x N_y * x a_y)).
+    assert (hf_is : h * far_sum = h * far + (h * F + 2 * (h * E))) by (rewrite f_is; ring).
+    eapply loses_add; [exact M1 | eapply loses_times; [eapply loses_add; [eapply loses_add; [exact N1 | exact N2 | apply Rle_refl] | exact N3 |
+      apply Rle_refl] | apply Rle_refl] |]. rewrite c4, A_is, R_is. lra.
+  - assert (few : forall e, 0 <= e -> e <= q -> e <= far_sum -> h * e <= / 1073741824 * (A + R1)).
+    { intros e e0 eq ef. assert (p1 := Rabs_pos (x N_w * x a_z)). assert (p2 := Rabs_pos (x N_x * x a_x)). assert (p3 := Rabs_pos (x N_y * x a_y)).
+      destruct (Rle_dec e 1) as [small | large].
+      - assert (G := Rmult_le_compat_l h _ _ ltac:(lra) small). lra.
+      - assert (G := Rmult_le_compat 1 e 1 e ltac:(lra) ltac:(lra) ltac:(lra) ltac:(lra)).
+        assert (G2 := Rmult_le_compat e q e q e0 e0 eq eq). assert (G3 := Rmult_le_compat e far_sum 1 D e0 ltac:(lra) ef ltac:(lra)).
+        assert (G4 := Rmult_le_compat_r e h 1 e0 ltac:(lra)). assert (G5 := Rmult_le_compat_r e _ _ e0 (proj2 h0)). lra. }
+    assert (G1 := few E ltac:(lra) q1 ltac:(lra)). assert (G2 := few F ltac:(lra) q2 ltac:(lra)). lra.
+Qed.
+End Delta.
+
 (* ---- N . p and det ---- *)
 Section Moved.
 Open Scope R_scope.
@@ -551,13 +1065,14 @@ Proof.
 Qed.
 End Moved.
 
-(* What underflow takes of a height, of its quotients and of the margin, and in proportion to L. *)
-Lemma kernel_is_enough : (2 * (1 # 2 ^ 100) + (1 # 2 ^ 96) <= of_nothing * (1 - (1 # 2 ^ 20)) /\
-  least_bound + (1 # 2 ^ 89) <= of_largest /\ 1 # 2 ^ 90 <= underflow_term)%Q.
-Proof. vm_compute. repeat split; discriminate. Qed.
+(* What the margin multiplies with 1.01 has only positive terms, so that it is computed at least at this much of its size; its
+   quotients have met 5 roundings more. *)
+Lemma inflation_is_enough : Qle_bool of_quotient (inflation * (1 - alphaQ u32Q (roundings margin + 5))) = true.
+Proof. vm_compute. reflexivity. Qed.
 
 Definition constants := Eval vm_compute in shown least_bound of_largest.
 Print constants.
-Definition checked := (rounding, of_quotients, margin_near, products_near, delta_np_has_it, delta_is, determinant_moves,
-  cross_moves, quotient_moves, kernel_is_enough).
+Definition checked := (rounding, of_quotients, margin_near, products_near, delta_np_has_it, determinant_is,
+  determinant_moves, quotients_are, over_least, under_most, quotients_are_enough, np_has_it, det_has_it, delta_parts, delta_is,
+  anywhere_least, cross_moves, quotient_moves, inflation_is_enough, kernel_is_enough).
 Print Assumptions checked.
