@@ -826,10 +826,11 @@ Qed.
 
 (* An expression without differences but those of inputs, and without anything negative, is computed at least as this; what
    underflow takes of it comes from what it takes of its operands (`l`: that and their own flushing). *)
-Lemma alpha_16 k : (k <= 16)%nat -> 0 <= alpha u32 k <= / 1000000.
+Lemma alpha_32 k : (k <= 32)%nat -> 0 <= alpha u32 k <= / 500000.
 Proof.
-  intros K. split; [apply alpha_at_least |]. eapply Rle_trans; [apply (alpha_below k K) |].
-  assert (I := le_INR k 16 K). simpl INR in I. lra.
+  intros K. split; [apply alpha_at_least |]. eapply Rle_trans; [apply (alpha_grows u32 (bpow_ge_0 _ _) _ (16 + 16)); lia |].
+  assert (E := alpha_sum u32 16 16). set (k32 := alpha u32 (16 + 16)) in *. assert (A := alpha_below 16 ltac:(lia)). simpl INR in A. assert (A0 := alpha_at_least 16).
+  assert (S := Rmult_le_compat _ _ _ _ A0 A0 A A). clearbody k32. lra.
 Qed.
 Definition loses x e l := lost32 x e + h32 <= l.
 Lemma gap32 x e : loses x e (lost32 x e + h32) /\ gap h32 (fun _ => h32) e = h32.
@@ -853,12 +854,12 @@ Proof.
   of_operands. intros. assert (A := lost32_positive x a). unfold lost32 in A.
   assert (G := Rmult_le_compat_l _ _ _ (Rabs_pos (Q2R q)) H). assert (P := Rmult_le_pos _ la (Rabs_pos (Q2R q)) ltac:(lra)). lra.
 Qed.
-Lemma loses_mul x a b P Q la lb l : (roundings a <= 16)%nat -> (roundings b <= 16)%nat -> permanent x a <= P -> permanent x b <= Q ->
+Lemma loses_mul x a b P Q la lb l : (roundings a <= 32)%nat -> (roundings b <= 32)%nat -> permanent x a <= P -> permanent x b <= Q ->
   loses x a la -> loses x b lb -> 101 / 100 * (P * lb + Q * la + la * lb) + 2 * h32 <= l -> loses x (Mul a b) l.
 Proof.
   intros Ka Kb HP HQ. of_operands. intros. assert (A := lost32_positive x a). assert (B := lost32_positive x b).
   assert (Pa := permanent_positive x a). assert (Pb := permanent_positive x b). unfold lost32 in A, B.
-  apply alpha_16 in Ka, Kb. set (k := alpha u32 (roundings a)) in *. set (k' := alpha u32 (roundings b)) in *.
+  apply alpha_32 in Ka, Kb. set (k := alpha u32 (roundings a)) in *. set (k' := alpha u32 (roundings b)) in *.
   assert (O := of_product_grows k k' _ _ _ _ P Q la lb ltac:(lra) ltac:(lra) (conj Pa HP) (conj Pb HQ)
     (conj (Rplus_le_le_0_compat _ _ A (Rlt_le _ _ h)) H) (conj (Rplus_le_le_0_compat _ _ B (Rlt_le _ _ h)) H0)).
   unfold of_product in *.
@@ -890,10 +891,10 @@ Proof.
   - intros [P Q]. destruct (IHe1 P) as [-> A]. destruct (IHe2 Q) as [-> B]. split; [reflexivity | lra].
   - intros [P Q]. destruct (IHe1 P) as [-> A]. destruct (IHe2 Q) as [-> B]. split; [reflexivity | now apply Rmult_le_pos].
 Qed.
-Theorem least_positive x e l v : only_positive x e -> (roundings e <= 16)%nat -> loses x e l -> computes32 x e v ->
-  (1 - / 1000000) * real x e - l <= v.
+Theorem least_positive x e l v : only_positive x e -> (roundings e <= 32)%nat -> loses x e l -> computes32 x e v ->
+  (1 - / 500000) * real x e - l <= v.
 Proof.
-  intros P K L C. apply permanent_is in P. destruct P as [P R0]. apply near32 in C. rewrite P in C. apply alpha_16 in K.
+  intros P K L C. apply permanent_is in P. destruct P as [P R0]. apply near32 in C. rewrite P in C. apply alpha_32 in K.
   assert (h := h32_positive). assert (G := Rmult_le_compat_r _ _ _ R0 (proj2 K)). unfold loses in L. apply between in C. lra.
 Qed.
 

@@ -57,6 +57,7 @@ noticed occluders/triangle_records.clh 's/UNDERFLOW 0x1p-90f/UNDERFLOW 0x1p-96f/
 refused planes_in_perspective
 noticed occluders/triangle_records.clh 's/PLANE_NEAR 0x1p-80f/PLANE_NEAR 0x1p-96f/' planes_in_perspective.v
 refused planes_in_perspective
+noticed occluders/triangle_records.clh 's/ + e_1a \* e_2a) \* 2\.0f/) * 2.0f/' planes_in_perspective.v
 noticed packets/parallel_packets.clh 's/PACKET_BOUND_OF_POINT 6.2e-7f/PACKET_BOUND_OF_POINT 5.8e-7f/' packets.v
 refused packets
 noticed beams/beam_intersect.clh 's/return side - origin + by/return side + by - origin/' boxes.v

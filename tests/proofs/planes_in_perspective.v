@@ -5,16 +5,18 @@
      margin_near             the margin, from its quotients;
      products_near           N . p from the rounded N: delta_np's term of products; delta_np_has_it: what underflow takes;
      determinant_moves       N . a, where a lies anywhere: delta_determinant, with all its roundings;
+     in_grid_moves           the same where a lies in the grid, from cross_moves at a's place;
      cross_moves             N . p: delta_np's other terms, from the errors of two sides;
      quotient_moves          what the errors of N . p and det do to their quotient;
-     quotients_are_enough    the margin's quotients as they are computed, by over_least, under_most and anywhere_least, times 1.0085:
-                             they have what quotient_moves asks for, by np_has_it and det_has_it.
+     quotients_are_enough    the margin's quotients as they are computed, by over_least, under_most, anywhere_least and in_grid_least,
+                             times 1.0085: they have what quotient_moves asks for, by np_has_it and det_has_it.
 
    Assumed: |X|, |Y| <= reach, whose parts are up to 2^16, the rectangle's side from 1 on (a bin has a texel); corners are off by
    `error` and error_w, 2^-90 at least (projection.v); a side is no longer than 4 reach times its rho (edge_functions.v,
    rho_has); a quotient is off by 2.5 ulp and by 2^-126; safe_determinant is more than a quarter of det, which the kernel asks,
-   here a fifth. Denormals may be kept or flushed: what that takes of the quotients is less than a 3000th of delta_np and of
-   delta_determinant, and 2^-94 that PLANE_NEAR has. In prose: N . a where a lies in the grid (its bound has the terms of N . p); the
+   here a fifth. Where a lies in the grid a_w is not negative, and rho_1a, rho_2a and far_reach hold at a's real place, as rho and
+   R do over the bins; position_has_it: a_w position_error is as small as e. Denormals may be kept or flushed: what that takes of
+   the quotients is less than a 2000th of delta_np and of delta_determinant, and 2^-94, which PLANE_NEAR has. In prose: the
    point's height, 2 L height_error. Overflow: no height is certain where the margin is infinite. *)
 From Coq Require Import Reals QArith Qreals Lra Psatz.
 From Flocq Require Import Core.
@@ -49,6 +51,19 @@ Definition greater_5 := 24%nat.
 Definition greater_6 := 25%nat.
 Definition quotient_4 := 26%nat.
 Definition quotient_5 := 27%nat.
+Definition quotient_6 := 28%nat.
+Definition quotient_7 := 29%nat.
+Definition greater_7 := 30%nat.
+Definition lesser_1 := 31%nat.
+Definition greater_8 := 32%nat.
+Definition quotient_8 := 33%nat.
+Definition greater_9 := 34%nat.
+Definition lesser_2 := 35%nat.
+Definition greater_10 := 36%nat.
+Definition greater_11 := 37%nat.
+Definition greater_12 := 38%nat.
+Definition greater_13 := 39%nat.
+Definition greater_14 := 40%nat.
 Definition quotient_1_over :=
   Fma (Diff b_y a_y) (Diff c_z a_z) (Neg (Mul (Diff b_z a_z) (Diff c_y a_y))).
 Definition quotient_1_under :=
@@ -151,6 +166,59 @@ Definition margin :=
     point_error 0) (Given side 0))))))) (Mul (Add (Abs (Given quotient_3 5)) (Add (Mul (Abs (Given quotient_1 5))
     (Add (Given point_error 0) (Given side 0))) (Mul (Abs (Given quotient_2 5)) (Add (Given point_error 0) (Given
     side 0))))) (Times (2 # 1) (Given height_error 0))))).
+Definition quotient_6_over :=
+  Add (Given error 0) (Mul (Add (Given point_error 0) (Given side 0)) (Given error_w 0)).
+Definition quotient_6_under :=
+  Diff a_z error_w.
+Definition quotient_7_over := Given a_x 0.
+Definition quotient_7_under := Given a_z 0.
+Definition greater_7_one := Given quotient_7 5.
+Definition greater_7_other := Given side 0.
+Definition lesser_1_one :=
+  Const (0 # 1).
+Definition lesser_1_other := Given quotient_7 5.
+Definition greater_8_one :=
+  Abs (Sub (Diff b_x a_x) (Mul (Given greater_7 0) (Diff b_z a_z))).
+Definition greater_8_other :=
+  Abs (Sub (Diff b_x a_x) (Mul (Given lesser_1 0) (Diff b_z a_z))).
+Definition quotient_8_over := Given a_y 0.
+Definition quotient_8_under := Given a_z 0.
+Definition greater_9_one := Given quotient_8 5.
+Definition greater_9_other := Given side 0.
+Definition lesser_2_one :=
+  lesser_1_one.
+Definition lesser_2_other := Given quotient_8 5.
+Definition greater_10_one :=
+  Abs (Sub (Diff b_y a_y) (Mul (Given greater_9 0) (Diff b_z a_z))).
+Definition greater_10_other :=
+  Abs (Sub (Diff b_y a_y) (Mul (Given lesser_2 0) (Diff b_z a_z))).
+Definition greater_11_one := Given greater_8 0.
+Definition greater_11_other := Given greater_10 0.
+Definition greater_12_one :=
+  Abs (Sub (Diff c_x a_x) (Mul (Given greater_7 0) (Diff c_z a_z))).
+Definition greater_12_other :=
+  Abs (Sub (Diff c_x a_x) (Mul (Given lesser_1 0) (Diff c_z a_z))).
+Definition greater_13_one :=
+  Abs (Sub (Diff c_y a_y) (Mul (Given greater_9 0) (Diff c_z a_z))).
+Definition greater_13_other :=
+  Abs (Sub (Diff c_y a_y) (Mul (Given lesser_2 0) (Diff c_z a_z))).
+Definition greater_14_one := Given greater_12 0.
+Definition greater_14_other := Given greater_13 0.
+Definition in_grid :=
+  Mul (Add (Given a_z 0) (Given error_w 0)) (Add (Times (1 # 4194304) (Add (Add (Abs (Mul (Diff b_x a_x) (Diff c_y
+    a_y))) (Abs (Mul (Diff b_y a_y) (Diff c_x a_x)))) (Add (Mul (Add (Abs (Mul (Diff b_x a_x) (Diff c_z a_z))) (Abs
+    (Mul (Diff b_z a_z) (Diff c_x a_x)))) (Add (Add (Given point_error 0) (Given side 0)) (Given quotient_6 5)))
+    (Mul (Add (Abs (Mul (Diff b_y a_y) (Diff c_z a_z))) (Abs (Mul (Diff b_z a_z) (Diff c_y a_y)))) (Add (Add (Given
+    point_error 0) (Given side 0)) (Given quotient_6 5)))))) (Times (2 # 1) (Add (Add (Mul (Add (Add (Add
+    quotient_6_over (Given error 0)) (Mul (Add (Given point_error 0) (Given side 0)) (Given error_w 0))) (Mul (Add
+    (Given error_w 0) (Given error_w 0)) (Given quotient_6 5))) (Add (Given greater_11 0) (Mul (Abs (Diff b_z a_z))
+    (Given quotient_6 5)))) (Mul (Add (Add (Add quotient_6_over (Given error 0)) (Mul (Add (Given point_error 0)
+    (Given side 0)) (Given error_w 0))) (Mul (Add (Given error_w 0) (Given error_w 0)) (Given quotient_6 5))) (Add
+    (Given greater_14 0) (Mul (Abs (Diff c_z a_z)) (Given quotient_6 5))))) (Mul (Add (Add (Add quotient_6_over
+    (Given error 0)) (Mul (Add (Given point_error 0) (Given side 0)) (Given error_w 0))) (Mul (Add (Given error_w 0)
+    (Given error_w 0)) (Given quotient_6 5))) (Add (Add (Add quotient_6_over (Given error 0)) (Mul (Add (Given
+    point_error 0) (Given side 0)) (Given error_w 0))) (Mul (Add (Given error_w 0) (Given error_w 0)) (Given
+    quotient_6 5))))))).
 (* where mul(quotient_3_under, orientation) > 0.0 *)
 (* where quotient_5_under > mul(abs(quotient_3_under), 0.25) *)
 (* where margin < mul(add(abs(quotient_3), add(mul(abs(quotient_1), add(point_error, side)), mul(abs(quotient_2),
@@ -513,6 +581,7 @@ Qed.
 End Determinant.
 
 (* ---- The quotients of the margin, as they are computed ---- *)
+Ltac few_roundings := try (lazymatch goal with |- (_ <= 32)%nat => vm_compute; lia end).
 Section Quotient.
 Variable x : nat -> R.
 Open Scope R_scope.
@@ -536,13 +605,13 @@ Proof. repeat split. Qed.
 
 Definition sides := ((b_x, a_x) :: (b_y, a_y) :: (b_z, a_z) :: (c_x, a_x) :: (c_y, a_y) :: (c_z, a_z) :: nil)%list.
 Lemma size_in S s : (forall i j, List.In (i, j) sides -> Rabs (x i - x j) <= S) -> List.In s (size_x :: size_y :: size_w :: nil)%list ->
-  loses x s (h * (24 * S + 20)) /\ permanent x s = real x s /\ 0 <= real x s /\ (roundings s <= 16)%nat.
+  loses x s (h * (24 * S + 20)) /\ permanent x s = real x s /\ 0 <= real x s /\ (roundings s <= 32)%nat.
 Proof.
   intros short I. destruct h32_powers as [h0 _]. simpl in h0.
   assert (S0 : 0 <= S) by (eapply Rle_trans; [apply Rabs_pos | apply (short b_x a_x); cbn; tauto]).
   assert (hS := Rmult_le_pos h S ltac:(lra) S0). assert (hh := Rmult_le_compat_l h _ _ ltac:(lra) (proj2 h0)).
   assert (one : forall i j k l, List.In (i, j) sides -> List.In (k, l) sides -> loses x (Abs (Mul (Diff i j) (Diff k l))) (h * (11 * S + 4))).
-  { intros i j k l A B. eapply loses_abs; [apply (loses_mul x _ _ S S (5 * h) (5 * h)); try (cbn; lia); try exact (short _ _ A); try exact (short _ _ B);
+  { intros i j k l A B. eapply loses_abs; [apply (loses_mul x _ _ S S (5 * h) (5 * h)); few_roundings; try exact (short _ _ A); try exact (short _ _ B);
       try (apply loses_diff; apply Rle_refl); apply Rle_refl | lra]. }
   assert (P : only_positive x s) by (destruct I as [<- | [<- | [<- | []]]]; cbn; tauto).
   destruct (permanent_is x s P). repeat split; auto; [| destruct I as [<- | [<- | [<- | []]]]; cbn; lia].
@@ -580,7 +649,7 @@ Proof.
   - assert (LR : loses x reach_sum (5 * h)).
     { apply (loses_add x _ _ h h); try (apply loses_given); lra. }
     assert (LF : loses x (Mul reach_sum (Given error_w 0)) (h * (2 * r + 6 * F + 3))).
-    { apply (loses_mul x _ _ r F (5 * h) h); try exact LR; try (apply loses_given; lra); try (cbn; lia);
+    { apply (loses_mul x _ _ r F (5 * h) h); try exact LR; try (apply loses_given; lra); few_roundings;
         [cbn; unfold r; rewrite !Rabs_pos_eq; lra | cbn; unfold F; rewrite Rabs_pos_eq; unfold F in *; lra |].
       assert (hh := Rmult_le_compat_l h _ _ ltac:(lra) (proj2 h0)). assert (hr := Rmult_le_compat_l h _ _ ltac:(lra) (proj1 r0)).
       assert (hF0 := Rmult_le_pos h F ltac:(lra) ltac:(lra)). lra. }
@@ -597,7 +666,7 @@ Proof.
   assert (hp := Rmult_le_compat_l h _ _ ltac:(lra) (proj2 p0)). assert (hS := Rmult_le_pos h S ltac:(lra) S0).
   assert (hp0 := Rmult_le_pos h _ ltac:(lra) (proj1 p0)). assert (hh := Rmult_le_compat_l h _ _ ltac:(lra) (proj2 h0)).
   eapply loses_add; [apply loses_given; apply Rle_refl | |].
-  - apply (loses_mul x _ _ S (x point_error) (6 * h) h); try (cbn; lia); [exact W | cbn; rewrite Rabs_pos_eq; lra | | apply loses_given; lra | apply Rle_refl].
+  - apply (loses_mul x _ _ S (x point_error) (6 * h) h); few_roundings; [exact W | cbn; rewrite Rabs_pos_eq; lra | | apply loses_given; lra | apply Rle_refl].
     eapply loses_abs; [apply loses_diff; apply Rle_refl | lra].
   - lra.
 Qed.
@@ -636,7 +705,7 @@ Proof.
   assert (el := Rmult_le_compat_l e _ _ e_0 (proj2 l_in)). assert (el0 := Rmult_le_pos _ _ e_0 (proj1 l_in)).
   assert (of_rho : forall g w rho, permanent x (rho_sum g w) = rho -> 0 <= rho <= q -> loses x (rho_sum g w) l ->
     loses x (Mul e_sum (rho_sum g w)) (/ 100000000 * (e * q + e * e) + 3 * h)).
-  { intros g w rho P q0 L. apply (loses_mul x _ _ e rho (/ 1073741824 * e) l); auto; try (rewrite Re; lia); try (cbn; lia); try lra.
+  { intros g w rho P q0 L. apply (loses_mul x _ _ e rho (/ 1073741824 * e) l); auto; try (rewrite Re; lia); few_roundings; try lra.
     assert (er := Rmult_le_compat_l e _ _ e_0 (proj2 q0)). lra. }
   assert (M1 := of_rho _ _ _ P1 ltac:(unfold q; lra) L1). assert (M2 := of_rho _ _ _ P2 ltac:(unfold q; lra) L2).
   assert (M3 : loses x (Mul e_sum e_sum) (/ 100000000 * (e * e) + 3 * h)).
@@ -653,9 +722,9 @@ Proof.
   assert (kq : k <= k * r) by (assert (G := Rmult_le_compat_l k _ _ ltac:(lra) (proj1 r0)); lra).
   assert (hr0 := Rmult_le_pos h r ltac:(lra) ltac:(lra)).
   assert (hr1 : h * r <= / 85070591730234615865843651857942052864 * r) by (apply Rmult_le_compat_r; lra).
-  assert (of_size : forall s v, permanent x s = v -> 0 <= v -> (roundings s <= 16)%nat -> loses x s k ->
+  assert (of_size : forall s v, permanent x s = v -> 0 <= v -> (roundings s <= 32)%nat -> loses x s k ->
     loses x (Mul s reach_sum) (/ 1000000 * (v * r) + 2 * (k * r) + 3 * h)).
-  { intros s v P v0 K L. apply (loses_mul x _ _ v r k (5 * h)); auto; try (cbn; lia); try lra.
+  { intros s v P v0 K L. apply (loses_mul x _ _ v r k (5 * h)); auto; few_roundings; try lra.
     assert (vr := Rmult_le_compat_l v _ _ v0 (proj1 r0)). assert (vh := Rmult_le_compat_l v _ _ v0 (proj2 h0)).
     assert (kh := Rmult_le_compat_l k _ _ (proj1 k_in) (proj2 h0)). lra. }
   assert (N1 := of_size _ _ Py y0 Ry Ly). assert (N2 := of_size _ _ Px x0 Rx Lx).
@@ -702,14 +771,14 @@ Proof.
     assert (c1 := Rmult_le_compat_l _ _ _ b1 (proj1 r0)). assert (c2 := Rmult_le_compat_l _ _ _ b2 (proj1 r0)). lra. }
   assert (hQ := Rmult_le_compat_l h _ _ ltac:(lra) Q).
   assert (of_slope : forall q, loses x (Mul (Abs (Given q 5)) reach_sum) (h * (6 * Rabs (x q) + 3 * r + 3))).
-  { intros q. eapply (loses_mul x _ _ (Rabs (x q)) r (2 * h) (5 * h)); try (cbn; lia); try (cbn; lra); try lra; auto.
+  { intros q. eapply (loses_mul x _ _ (Rabs (x q)) r (2 * h) (5 * h)); few_roundings; try (cbn; lra); try lra; auto.
     - eapply loses_abs; [apply loses_given; apply Rle_refl | lra].
     - assert (q0 := Rmult_le_pos h _ ltac:(lra) (Rabs_pos (x q))). assert (hh := Rmult_le_compat_l h _ _ ltac:(lra) (proj2 h0)). lra. }
   assert (LL : loses x largest (h * (7 * L + 7 * r + 20))).
   { eapply loses_add; [eapply loses_abs; [apply loses_given; apply Rle_refl | apply Rle_refl] | eapply loses_add; [apply of_slope |
       apply of_slope | apply Rle_refl] |]. lra. }
   assert (LM : loses x (Mul largest (Given delta_det 0)) (/ 1000000000 * (L * d) + / 2 ^ 101 * d + / 1000000000 * T)).
-  { apply (loses_mul x _ _ L d (h * (7 * L + 7 * r + 20)) h); auto; try (cbn; lia); try lra.
+  { apply (loses_mul x _ _ L d (h * (7 * L + 7 * r + 20)) h); auto; few_roundings; try lra.
     - cbn. unfold d. rewrite Rabs_pos_eq; unfold d in d0; lra.
     - apply loses_given. lra.
     - assert (dr := Rmult_le_compat_r (7 * r * d + 20 * d) h _ ltac:(repeat apply Rplus_le_le_0_compat; repeat apply Rmult_le_pos; lra) (proj2 h0)).
@@ -799,8 +868,8 @@ Proof.
   replace (Q2R of_products) with (/ 4194304) by (unfold Q2R; simpl; lra).
   replace (/ 2 ^ 90) with (/ 1237940039285380274899124224) in G by (simpl; lra). lra.
 Qed.
-Lemma det_has_it A : (1 - / 2000) * A <= d -> (1 + / 2 ^ 10) * A <= (1 + / 300) * d.
-Proof. simpl. simpl in delta_in. lra. Qed.
+Lemma det_has_it A : 0 <= A -> (1 - / 2000) * A <= d -> (1 + / 2 ^ 9) * A <= (1 + / 300) * d.
+Proof. simpl. lra. Qed.
 End Quotient.
 
 (* ---- delta_determinant, as it is computed ---- *)
@@ -852,7 +921,7 @@ Proof.
   assert (hE0 := Rmult_le_pos h E ltac:(lra) ltac:(lra)). assert (hF0 := Rmult_le_pos h F ltac:(lra) ltac:(lra)).
   assert (one : forall i e, / 1237940039285380274899124224 <= x e -> h <= / 68719476736 * x e ->
     loses x (Mul (Abs (Given i 0)) (Given e 0)) (/ 34359738368 * (Rabs (x i) * x e) + 3 * (h * x e) + 3 * h)).
-  { intros i e e0 he. apply (loses_mul x _ _ (Rabs (x i)) (x e) (2 * h) h); try (cbn; lia); try (cbn; lra).
+  { intros i e e0 he. apply (loses_mul x _ _ (Rabs (x i)) (x e) (2 * h) h); few_roundings; try (cbn; lra).
     - cbn. rewrite Rabs_pos_eq; lra.
     - eapply loses_abs; [apply loses_given; apply Rle_refl | lra].
     - apply loses_given; lra.
@@ -860,7 +929,7 @@ Proof.
       assert (G3 := Rmult_le_pos h (x e) ltac:(lra) ltac:(lra)). lra. }
   assert (product : forall i a e, h <= / 68719476736 * x e -> loses x (product_with (Given i 0) a)
     (/ 34359738368 * (Rabs (x i) * x e) + 2 * (h * Rabs (x a)) + 5 * h)).
-  { intros i a e he. eapply loses_abs; [apply (loses_mul x _ _ (Rabs (x i)) (Rabs (x a)) h h); try (cbn; lia); try (cbn; lra);
+  { intros i a e he. eapply loses_abs; [apply (loses_mul x _ _ (Rabs (x i)) (Rabs (x a)) h h); few_roundings; try (cbn; lra);
       try (apply loses_given; lra); apply Rle_refl |].
     assert (G := Rmult_le_compat_l _ _ _ (Rabs_pos (x i)) he). assert (G2 := Rmult_le_pos h _ ltac:(lra) (Rabs_pos (x a))).
     assert (G3 := Rmult_le_pos h _ ltac:(lra) (Rabs_pos (x i))). lra. }
@@ -884,7 +953,7 @@ Proof.
   assert (n3 := positive F (x N_w) ltac:(lra)). assert (a1 := positive h (x a_x) ltac:(lra)).
   assert (a2 := positive h (x a_y) ltac:(lra)). assert (a3 := positive h (x a_z) ltac:(lra)). rewrite c4, cu. lra.
 Qed.
-Theorem delta_least more A v : only_positive x more -> (roundings more <= 15)%nat -> real x more = A ->
+Theorem delta_least more A v : only_positive x more -> (roundings more <= 31)%nat -> real x more = A ->
   loses x more (/ 10000 * (A + R1) + 100 * (h * (E + F))) -> h * (E + F) <= / 536870912 * (A + R1) ->
   computes32 x (delta_of more) v -> (1 - / 2000) * (R1 + A) <= v /\ / 2 ^ 91 <= v.
 Proof.
@@ -895,7 +964,7 @@ Proof.
     assert (p1 := Rabs_pos (x N_w * x a_z)). assert (p2 := Rabs_pos (x N_x * x a_x)). assert (p3 := Rabs_pos (x N_y * x a_y)). lra. }
   assert (P1 : only_positive x (delta_of more)).
   { cbn -[Q2R only_positive]. cbn -[Q2R]. unfold E, F in *. rewrite ?Q2R_1. repeat split; try exact I; try (unfold Q2R; simpl; lra); try lra. exact P. }
-  assert (R : (roundings (delta_of more) <= 16)%nat).
+  assert (R : (roundings (delta_of more) <= 32)%nat).
   { unfold delta_of. cbn [roundings]. change (roundings (of_n (Given N_x 0) (Given N_y 0) (Given N_w 0))) with 6%nat. lia. }
   assert (M := least_positive x _ _ v P1 R L C). change (real x (delta_of more)) with (R1 + real x more) in M. rewrite A_is in M.
   assert (p1 := Rabs_pos (x N_w * x a_z)). assert (p2 := Rabs_pos (x N_x * x a_x)). assert (p3 := Rabs_pos (x N_y * x a_y)).
@@ -934,14 +1003,14 @@ Proof.
   assert (Ls : forall i j k, loses x (side_of i j k) (24 * h)).
   { assert (one : forall i j, loses x (Abs (Diff i j)) (6 * h)) by (intros; eapply loses_abs; [apply loses_diff; apply Rle_refl | lra]).
     intros. eapply loses_add; [apply one | eapply loses_add; [apply one | apply one | apply Rle_refl] |]. lra. }
-  assert (of_side : forall e s, permanent x e = s -> 0 <= s -> (roundings e <= 16)%nat -> loses x e (24 * h) ->
+  assert (of_side : forall e s, permanent x e = s -> 0 <= s -> (roundings e <= 32)%nat -> loses x e (24 * h) ->
     loses x (Mul e errors_sum) (/ 4294967296 * (s * q + q * q) + 3 * h)).
-  { intros e s P s0 K L. apply (loses_mul x _ _ s q (24 * h) (12 * h)); auto; try (cbn; lia); try lra.
+  { intros e s P s0 K L. apply (loses_mul x _ _ s q (24 * h) (12 * h)); auto; few_roundings; try lra.
     assert (hs := Rmult_le_compat_l s _ _ s0 hq). assert (sq := Rmult_le_pos s q s0 ltac:(lra)). lra. }
   assert (M1 := of_side _ _ P1 P10 ltac:(cbn; lia) (Ls _ _ _)).
   assert (M2 := of_side _ _ P2 P20 ltac:(cbn; lia) (Ls _ _ _)).
   assert (M3 : loses x (Mul errors_sum errors_sum) (/ 2147483648 * (q * q) + 3 * h)).
-  { apply (loses_mul x _ _ q q (12 * h) (12 * h)); auto; try (cbn; lia); lra. }
+  { apply (loses_mul x _ _ q q (12 * h) (12 * h)); auto; few_roundings; lra. }
   eapply loses_add; [eapply loses_add; [exact M1 | exact M2 | apply Rle_refl] | eapply loses_times; [exact M3 | apply Rle_refl] |].
   rewrite two. lra.
 Qed.
@@ -990,10 +1059,10 @@ Proof.
   - assert (one : forall a e, loses x (far_of a e) (6 * h)).
     { intros. eapply loses_add; [eapply loses_abs; [apply loses_given; apply Rle_refl | apply Rle_refl] | apply loses_given; apply Rle_refl |]. lra. }
     assert (M1 : loses x (Mul (Add far_w (Add far_x far_y)) delta_n) (/ 100000000 * (far_sum * D) + 21 * (h * far_sum) + 3 * h)).
-    { apply (loses_mul x _ _ far_sum D (24 * h) (/ 1073741824 * D + 20 * h)); try tauto; try (cbn; lia); try lra.
+    { apply (loses_mul x _ _ far_sum D (24 * h) (/ 1073741824 * D + 20 * h)); try tauto; few_roundings; try lra.
       eapply loses_add; [apply one | eapply loses_add; [apply one | apply one | apply Rle_refl] |]. lra. }
-    assert (of_size : forall f s, permanent x f = real x f -> h <= / 68719476736 * real x f -> real x f <= far_sum -> (roundings f <= 16)%nat ->
-      loses x f (6 * h) -> permanent x s = real x s -> 0 <= real x s -> (roundings s <= 16)%nat -> loses x s (h * (24 * S + 20)) ->
+    assert (of_size : forall f s, permanent x f = real x f -> h <= / 68719476736 * real x f -> real x f <= far_sum -> (roundings f <= 32)%nat ->
+      loses x f (6 * h) -> permanent x s = real x s -> 0 <= real x s -> (roundings s <= 32)%nat -> loses x s (h * (24 * S + 20)) ->
       loses x (Mul f s) (/ 100000000 * (real x f * real x s) + / 100000000 * (far_sum * D) + 21 * (h * far_sum) + 3 * h)).
     { intros f s Pf' hf ff Kf Lf Ps s0 Ks L. apply (loses_mul x _ _ (real x f) (real x s) (6 * h) (h * (24 * S + 20))); auto; try lra.
       assert (fs := Rmult_le_compat_r _ _ _ s0 hf). assert (fS := Rmult_le_compat (real x f) far_sum (h * S) _ ltac:(lra) hS0 ff hS).
@@ -1065,6 +1134,310 @@ Proof.
 Qed.
 End Moved.
 
+(* ---- N . a where a lies in the grid ---- *)
+Section InGrid.
+Variable x : nat -> R.
+Open Scope R_scope.
+Local Notation h := h32.
+Definition grid_e := let E := Given error 0 in let F := Given error_w 0 in
+  Add (Add (Add (Add E (Mul reach_sum F)) E) (Mul reach_sum F)) (Mul (Add F F) (Given quotient_6 5)).
+Definition grid_rho greatest w := Add (Given greatest 0) (Mul (Abs (Diff w a_z)) (Given quotient_6 5)).
+Definition grid_reach := Add reach_sum (Given quotient_6 5).
+Definition grid_sum := Add (Times (1 # 4194304) (Add size_w (Add (Mul size_y grid_reach) (Mul size_x grid_reach))))
+  (Times 2 (Add (Add (Mul grid_e (grid_rho greater_11 b_z)) (Mul grid_e (grid_rho greater_14 c_z))) (Mul grid_e grid_e))).
+Lemma in_grid_is : in_grid = Mul (Add (Given a_z 0) (Given error_w 0)) grid_sum.
+Proof. reflexivity. Qed.
+
+Let r := x point_error + x side. Let E := x error. Let F := x error_w. Let p := x quotient_6.
+Hypotheses (side_in : 1 <= x side <= 2 ^ 16) (point_error_in : 0 <= x point_error <= 2 ^ 16).
+Hypotheses (E_in : / 2 ^ 90 <= E) (F_in : / 2 ^ 90 <= F) (a_z_in : 0 <= x a_z) (p_in : 0 <= p).
+Hypotheses (greater_11_in : 0 <= x greater_11) (greater_14_in : 0 <= x greater_14).
+Let e := E + r * F + E + r * F + (F + F) * p.
+Let rho_1 := x greater_11 + Rabs (x b_z - x a_z) * p.
+Let rho_2 := x greater_14 + Rabs (x c_z - x a_z) * p.
+Let W := x a_z + F. Let f := r + p.
+Variable S : R.
+Hypothesis S_in : S <= 4 * r * (rho_1 + rho_2).
+Hypothesis short : forall i j, List.In (i, j) sides -> Rabs (x i - x j) <= S.
+Hypothesis position_in : W * p <= 10 * e + x a_z.
+Let R1 := real x (of_n (Given N_x 0) (Given N_y 0) (Given N_w 0)).
+Let G := real x grid_sum.
+Lemma h_r_in : 0 < h <= / 85070591730234615865843651857942052864 /\ 1 <= r <= 131072 /\ 0 <= x point_error <= r /\
+  h * r <= / 68719476736 * e /\ h <= / 68719476736 * e /\ h * F <= / 68719476736 * e /\ h * p <= / 68719476736 * e /\
+  F <= e /\ E <= e /\ r * F <= e /\ F * p <= e /\ 0 <= e /\ h <= / 68719476736 * E /\ h <= / 68719476736 * F.
+Proof.
+  destruct h32_powers as [[h0 h1] _]. assert (k1 : h <= / 68719476736 * E) by (simpl in *; lra).
+  assert (k2 : h <= / 68719476736 * F) by (simpl in *; lra).
+  assert (f0 : 0 <= F) by (simpl in *; lra). assert (e0 : 0 <= E) by (simpl in *; lra). simpl in h1.
+  assert (r0 : 1 <= r <= 131072) by (unfold r; simpl in *; lra). assert (p0 : 0 <= x point_error <= r) by (unfold r; lra).
+  assert (K := Rmult_le_compat_r r _ _ ltac:(lra) k2). assert (K2 := Rmult_le_compat_r F 1 r f0 ltac:(lra)).
+  assert (K3 := Rmult_le_compat_r p _ _ p_in k2). assert (K4 := Rmult_le_pos F p f0 p_in).
+  assert (K5 := Rmult_le_compat_r F h (/ 68719476736) f0 ltac:(lra)). unfold e. repeat split; lra.
+Qed.
+(* That a_w times the error of a's position is as small: where its quotient is computed. *)
+Lemma position_has_it v w : computes32 x quotient_6_over v -> computes32 x quotient_6_under w -> 0 < w -> Rabs (p - v / w) <= h ->
+  W * p <= 10 * e + x a_z.
+Proof.
+  clear position_in. intros Cv Cw w0 H. destruct h_r_in as (h0 & r0 & p0 & e2 & e3 & e5 & e6 & Fe & Ee & rF & Fp & e_0 & hE & hF).
+  assert (F0 : 0 <= F) by lra. assert (hr0 := Rmult_le_pos h r ltac:(lra) ltac:(lra)). assert (hF0 := Rmult_le_pos h F ltac:(lra) F0).
+  assert (hr := Rmult_le_compat_l h _ _ ltac:(lra) (proj1 r0)). assert (hh := Rmult_le_compat_l h _ _ ltac:(lra) (proj2 h0)).
+  assert (rF0 := Rmult_le_pos r F ltac:(lra) F0).
+  assert (P : permanent x quotient_6_over = E + r * F) by
+    (refine (proj1 (permanent_is x quotient_6_over _)); cbn; unfold E, F in *; repeat split; lra).
+  assert (L : loses x quotient_6_over (h * (3 * r + 7 * F + 10))).
+  { eapply loses_add; [apply loses_given; apply Rle_refl | apply (loses_mul x _ _ r F (5 * h) h); few_roundings |].
+    - cbn. unfold r. rewrite !Rabs_pos_eq; lra.
+    - cbn. unfold F in *. rewrite Rabs_pos_eq; lra.
+    - apply (loses_add x _ _ h h); try (apply loses_given); lra.
+    - apply loses_given; lra.
+    - apply Rle_refl.
+    - lra. }
+  assert (v1 : v <= 102 / 100 * e).
+  { apply near32 in Cv. rewrite P in Cv. change (real x quotient_6_over) with (E + r * F) in Cv. unfold loses in L.
+    assert (K := alpha_32 (roundings quotient_6_over) ltac:(vm_compute; lia)).
+    assert (eF : 0 <= F * p) by (now apply Rmult_le_pos). assert (e_is : e = 2 * (E + r * F) + 2 * (F * p)) by (unfold e; ring).
+    assert (K2 := Rmult_le_compat_r (E + r * F) _ _ ltac:(lra) (proj2 K)). apply between in Cv. lra. }
+  destruct (Rle_dec (x a_z) (2 * F)) as [near | far].
+  - assert (K := Rmult_le_compat_r p _ _ p_in near). unfold W. lra.
+  - apply step32_diff in Cw. fold F in Cw. rewrite (Rabs_pos_eq (x a_z - F)) in Cw by lra. apply between in Cw, H.
+    assert (aw : x a_z * / w <= 21 / 10).
+    { apply Rmult_le_reg_r with w; [exact w0 |]. rewrite Rmult_assoc, Rinv_l by lra. lra. }
+    assert (aw0 : 0 <= x a_z * / w) by (apply Rmult_le_pos; [exact a_z_in | left; now apply Rinv_0_lt_compat]).
+    assert (K := Rmult_le_compat_l (x a_z) p (v / w + h) a_z_in ltac:(lra)). assert (K2 := Rmult_le_compat_r p _ _ p_in (Rlt_le _ _ (Rnot_le_lt _ _ far))).
+    assert (K3 := Rmult_le_compat_l _ _ _ aw0 v1). assert (K4 := Rmult_le_compat_r e _ _ e_0 aw).
+    assert (ah := Rmult_le_compat_l (x a_z) h (/ 1000) a_z_in ltac:(lra)). unfold W, Rdiv in *. lra.
+Qed.
+Lemma G_is : G = / 4194304 * (real x size_w + (real x size_y * f + real x size_x * f)) + 2 * (e * rho_1 + e * rho_2 + e * e).
+Proof.
+  unfold G, grid_sum. cbn [real]. rewrite Q2R_2. replace (Q2R (1 # 4194304)) with (/ 4194304) by (unfold Q2R; simpl; lra). reflexivity.
+Qed.
+Lemma rhos : (permanent x (grid_rho greater_11 b_z) = rho_1 /\ 0 <= rho_1) /\ (permanent x (grid_rho greater_14 c_z) = rho_2 /\ 0 <= rho_2).
+Proof. split; apply permanent_is; cbn; fold p; tauto. Qed.
+Lemma loses_grid : loses x grid_sum (/ 20000 * G + / 40000 * (h * f) + 40 * h).
+Proof.
+  rewrite G_is. destruct h_r_in as (h0 & r0 & p0 & e2 & e3 & e5 & e6 & Fe & Ee & rF & Fp & e_0 & hE & hF).
+  assert (S0 : 0 <= S) by (eapply Rle_trans; [apply Rabs_pos | apply (short b_x a_x); cbn; tauto]).
+  destruct (size_in x S size_x short ltac:(cbn; tauto)) as (Lx & Px & x0 & Rx). destruct (size_in x S size_y short ltac:(cbn; tauto)) as (Ly & Py & y0 & Ry).
+  destruct (size_in x S size_w short ltac:(cbn; tauto)) as (Lw & Pw & w0 & Rw). destruct rhos as [[P1 q1] [P2 q2]].
+  set (q := rho_1 + rho_2) in *. assert (q_0 : 0 <= q) by (unfold q; lra).
+  assert (hh := Rmult_le_compat_l h _ _ ltac:(lra) (proj2 h0)). assert (hS0 := Rmult_le_pos h S ltac:(lra) S0).
+  assert (hp0 := Rmult_le_pos h p ltac:(lra) p_in). assert (hF0 := Rmult_le_pos h F ltac:(lra) ltac:(lra)).
+  assert (hr0 := Rmult_le_pos h r ltac:(lra) ltac:(lra)). assert (F0 : 0 <= F) by lra.
+  assert (LR : loses x reach_sum (5 * h)) by (apply (loses_add x _ _ h h); try (apply loses_given); lra).
+  assert (PR : permanent x reach_sum = r) by (cbn; unfold r; rewrite !Rabs_pos_eq; lra).
+  assert (PF : Rabs (x error_w) <= F) by (unfold F in *; rewrite Rabs_pos_eq; lra).
+  assert (Pp : Rabs (x quotient_6) <= p) by (unfold p in *; rewrite Rabs_pos_eq; lra).
+  assert (LF : loses x (Mul reach_sum (Given error_w 0)) (h * (2 * r + 6 * F + 3))).
+  { assert (hr := Rmult_le_compat_l h _ _ ltac:(lra) (proj1 r0)).
+    apply (loses_mul x _ _ r F (5 * h) h); try exact LR; try (apply loses_given; lra); few_roundings; try exact PF; lra. }
+  assert (L2 : loses x (Mul (Add (Given error_w 0) (Given error_w 0)) (Given quotient_6 5)) (h * (3 * F + 6 * p + 3))).
+  { apply (loses_mul x _ _ (F + F) p (5 * h) h); try (apply loses_given; lra); few_roundings; try (cbn; lra); try exact Pp; try lra.
+    apply (loses_add x _ _ h h); try (apply loses_given); lra. }
+  assert (Le : loses x grid_e (/ 1073741824 * e)).
+  { eapply loses_add; [eapply loses_add; [eapply loses_add; [eapply loses_add; [apply loses_given; apply Rle_refl | exact LF | apply Rle_refl] |
+      apply loses_given; apply Rle_refl | apply Rle_refl] | exact LF | apply Rle_refl] | exact L2 |]. lra. }
+  assert (Pe : permanent x grid_e = e).
+  { refine (proj1 (permanent_is x grid_e _)). cbn. unfold E, F, p in *. repeat split; lra. }
+  assert (Re : roundings grid_e = 8%nat) by (vm_compute; reflexivity).
+  assert (eq := Rmult_le_pos e q e_0 q_0). assert (ee := Rmult_le_pos e e e_0 e_0).
+  set (l := h * (2 * S + 8 * p + 10)) in *.
+  assert (hrq : h * (4 * r * q) <= / 1000000000000000 * q).
+  { assert (K := Rmult_le_compat_r q (h * (4 * r)) (/ 1000000000000000) q_0).
+    assert (K2 := Rmult_le_compat h (/ 85070591730234615865843651857942052864) r 131072 ltac:(lra) ltac:(lra) ltac:(lra) ltac:(lra)).
+    specialize (K ltac:(lra)). lra. }
+  assert (hS := Rmult_le_compat_l h _ _ ltac:(lra) S_in). fold q in hS.
+  assert (l_in : 0 <= l <= / 100000000000000 * q + / 1000000000 * e).
+  { unfold l. split; [apply Rmult_le_pos; lra |]. lra. }
+  assert (el := Rmult_le_compat_l e _ _ e_0 (proj2 l_in)). assert (el0 := Rmult_le_pos _ _ e_0 (proj1 l_in)).
+  assert (of_rho : forall g w rho, List.In (w, a_z) sides -> permanent x (grid_rho g w) = rho -> 0 <= rho <= q ->
+    loses x (Mul grid_e (grid_rho g w)) (/ 100000000 * (e * q + e * e) + 3 * h)).
+  { intros g w rho I P q0. apply (loses_mul x _ _ e rho (/ 1073741824 * e) l); auto; try (rewrite Re; lia); few_roundings; try lra.
+    - eapply loses_add; [apply loses_given; apply Rle_refl | apply (loses_mul x _ _ S p (6 * h) h); few_roundings;
+        [exact (short _ _ I) | exact Pp | eapply loses_abs; [apply loses_diff; apply Rle_refl | lra] | apply loses_given; lra | apply Rle_refl] |].
+      unfold l. lra.
+    - assert (er := Rmult_le_compat_l e _ _ e_0 (proj2 q0)). lra. }
+  assert (M1 := of_rho greater_11 b_z _ ltac:(cbn; tauto) P1 ltac:(unfold q; lra)).
+  assert (M2 := of_rho greater_14 c_z _ ltac:(cbn; tauto) P2 ltac:(unfold q; lra)).
+  assert (M3 : loses x (Mul grid_e grid_e) (/ 100000000 * (e * e) + 3 * h)).
+  { apply (loses_mul x _ _ e e (/ 1073741824 * e) (/ 1073741824 * e)); auto; try (rewrite Re; lia); try lra. }
+  set (s_x := real x size_x) in *. set (s_y := real x size_y) in *. set (s_w := real x size_w) in *.
+  set (k := h * (24 * S + 20)) in *. assert (f0 : 1 <= f) by (unfold f; lra).
+  assert (k_in : 0 <= k <= 24 * (h * (4 * r * q)) + 20 * h).
+  { unfold k. split; [apply Rmult_le_pos; lra |]. lra. }
+  assert (hf : h * f <= / 34359738368 * e) by (unfold f; lra). assert (hf0 := Rmult_le_pos h f ltac:(lra) ltac:(lra)).
+  assert (hrr : h * (4 * r * q) * f <= / 50000 * (e * q)).
+  { assert (rq := Rmult_le_pos r q ltac:(lra) q_0). assert (K := Rmult_le_compat_r (4 * (r * q)) _ _ ltac:(lra) hf).
+    assert (K2 := Rmult_le_compat_l (e * q) _ _ eq (proj2 r0)). lra. }
+  assert (kf : 0 <= k * f <= 24 / 50000 * (e * q) + 20 * (h * f)).
+  { split; [apply Rmult_le_pos; lra |]. assert (K := Rmult_le_compat_r f _ _ ltac:(lra) (proj2 k_in)). lra. }
+  assert (kq : k <= k * f) by (assert (K := Rmult_le_compat_l k _ _ ltac:(lra) f0); lra).
+  assert (Lf : loses x grid_reach (9 * h)) by (eapply loses_add; [exact LR | apply loses_given; apply Rle_refl | lra]).
+  assert (Pf : permanent x grid_reach <= f) by (unfold grid_reach; cbn [permanent]; rewrite PR; unfold f; lra).
+  assert (of_size : forall s v, permanent x s = v -> 0 <= v -> (roundings s <= 32)%nat -> loses x s k ->
+    loses x (Mul s grid_reach) (/ 1000000 * (v * f) + 2 * (k * f) + 3 * h)).
+  { intros s v P v0 K L. apply (loses_mul x _ _ v f k (9 * h)); auto; few_roundings; try lra.
+    assert (vr := Rmult_le_compat_l v _ _ v0 f0). assert (vh := Rmult_le_compat_l v _ _ v0 (proj2 h0)).
+    assert (kh := Rmult_le_compat_l k _ _ (proj1 k_in) (proj2 h0)). lra. }
+  assert (N1 := of_size _ _ Py y0 Ry Ly). assert (N2 := of_size _ _ Px x0 Rx Lx).
+  assert (yr := Rmult_le_pos _ f y0 ltac:(lra)). assert (xr := Rmult_le_pos _ f x0 ltac:(lra)).
+  assert (two : Rabs (Q2R 2) = 2) by (rewrite Q2R_2, Rabs_pos_eq; lra).
+  assert (cp : Rabs (Q2R (1 # 4194304)) = / 4194304) by (unfold Q2R; simpl; rewrite Rabs_pos_eq; lra).
+  assert (eq_is : e * q = e * rho_1 + e * rho_2) by (unfold q; ring).
+  eapply loses_add; [eapply loses_times; [eapply loses_add; [exact Lw | eapply loses_add; [exact N1 | exact N2 | apply Rle_refl] | apply Rle_refl] | apply Rle_refl] |
+    eapply loses_times; [eapply loses_add; [eapply loses_add; [exact M1 | exact M2 | apply Rle_refl] | exact M3 | apply Rle_refl] | apply Rle_refl] |].
+  rewrite two, cp. lra.
+Qed.
+Let A := real x in_grid.
+Lemma few_in_grid : h * e <= / 68719476736 * (A + R1) /\ A = W * G /\ 0 <= W /\ F <= W /\ 2 * (e * (rho_1 + rho_2)) <= G /\ 0 <= R1 /\
+  / 1237940039285380274899124224 * (x a_z + 1) <= R1.
+Proof.
+  destruct h_r_in as (h0 & r0 & p0 & e2 & e3 & e5 & e6 & Fe & Ee & rF & Fp & e_0 & hE & hF).
+  assert (A_is : A = W * G) by reflexivity. destruct rhos as [[P1 q1] [P2 q2]].
+  assert (ee := Rmult_le_pos e e e_0 e_0). assert (e1 := Rmult_le_pos e _ e_0 q1). assert (e4 := Rmult_le_pos e _ e_0 q2).
+  destruct (size_in x S size_x short ltac:(cbn; tauto)) as (_ & _ & x0 & _). destruct (size_in x S size_y short ltac:(cbn; tauto)) as (_ & _ & y0 & _).
+  destruct (size_in x S size_w short ltac:(cbn; tauto)) as (_ & _ & w0 & _). assert (f0 : 0 <= f) by (unfold f; lra).
+  assert (yr := Rmult_le_pos _ f y0 f0). assert (xr := Rmult_le_pos _ f x0 f0). assert (GG := G_is).
+  assert (R := proj1 (R1_is x E_in F_in)). fold R1 in R. destruct (proj2 (R1_is x E_in F_in)) as [n0 _]. fold E F in R, n0.
+  assert (z1 := Rabs_pos (x N_w * x a_z)). assert (z2 := Rabs_pos (x N_x * x a_x)). assert (z3 := Rabs_pos (x N_y * x a_y)).
+  assert (c1 := Rabs_pos (x a_x)). assert (c2 := Rabs_pos (x a_y)). rewrite (Rabs_pos_eq (x a_z)) in R by exact a_z_in.
+  assert (W0 : F <= W) by (unfold W; lra). assert (F0 : 0 <= F) by lra.
+  assert (R2 : / 1237940039285380274899124224 * (x a_z + 1) <= R1) by lra.
+  split; [| repeat split; lra].
+  assert (WG := Rmult_le_compat F W (2 * (e * e)) G F0 ltac:(lra) W0 ltac:(lra)).
+  destruct (Rle_dec e 1) as [small | large].
+  - assert (K := Rmult_le_compat_l h _ _ ltac:(lra) small). assert (0 <= F * (2 * (e * e))) by (apply Rmult_le_pos; lra). lra.
+  - assert (K := Rmult_le_compat_r e _ _ e_0 hF). assert (K2 := Rmult_le_compat_l (F * e) 1 e ltac:(apply Rmult_le_pos; lra) ltac:(lra)).
+    assert (Fe0 := Rmult_le_pos F e F0 e_0). lra.
+Qed.
+Theorem in_grid_least v : computes32 x (delta_of in_grid) v -> (1 - / 2000) * (R1 + A) <= v /\ / 2 ^ 91 <= v.
+Proof.
+  destruct h_r_in as (h0 & r0 & p0 & e2 & e3 & e5 & e6 & Fe & Ee & rF & Fp & e_0 & hE & hF).
+  destruct few_in_grid as (he & A_is & W0 & FW & _ & R0 & R2). intros C.
+  assert (P : only_positive x in_grid).
+  { cbn -[Q2R]. rewrite Q2R_2. unfold E, F, p in *. repeat split; try exact I; try lra; unfold Q2R; simpl; lra. }
+  assert (F0 : 0 <= F) by lra. assert (G0 : 0 <= G) by (apply permanent_is; apply P).
+  assert (hEe := Rmult_le_compat_l h _ _ ltac:(lra) Ee). assert (hFe := Rmult_le_compat_l h _ _ ltac:(lra) Fe).
+  assert (WG := Rmult_le_pos W G W0 G0).
+  apply (delta_least x E_in F_in in_grid A v P ltac:(vm_compute; lia) eq_refl); [| fold E F R1; lra | exact C]. fold E F R1.
+  apply (loses_mul x _ _ W G (5 * h) (/ 20000 * G + / 40000 * (h * f) + 40 * h)); few_roundings.
+  - cbn. unfold W. rewrite (Rabs_pos_eq (x a_z)), (Rabs_pos_eq (x error_w)) by (assumption || exact F0). apply Rle_refl.
+  - apply Req_le. apply permanent_is. apply P.
+  - apply (loses_add x _ _ h h); try (apply loses_given); lra.
+  - exact loses_grid.
+  - assert (hW : h * W = h * x a_z + h * F) by (unfold W; ring). assert (hf : h * f = h * r + h * p) by (unfold f; ring).
+    assert (Whf : W * (h * f) = h * W * r + h * (W * p)) by (unfold f; ring).
+    assert (ha : h * x a_z <= / 85070591730234615865843651857942052864 * x a_z) by (apply Rmult_le_compat_r; lra).
+    assert (ha0 := Rmult_le_pos h _ ltac:(lra) a_z_in). assert (hF0 := Rmult_le_pos h F ltac:(lra) F0).
+    assert (hE0 := Rmult_le_pos h E ltac:(lra) ltac:(lra)).
+    assert (Wr := Rmult_le_compat_l (h * W) _ _ ltac:(lra) (proj2 r0)). assert (Wp := Rmult_le_compat_l h _ _ ltac:(lra) position_in).
+    assert (hG := Rmult_le_compat_r G _ _ G0 (Rle_trans _ _ _ hF (Rmult_le_compat_l (/ 68719476736) _ _ ltac:(lra) FW))).
+    assert (hG0 := Rmult_le_pos h G ltac:(lra) G0).
+    assert (hhG := Rmult_le_compat_r (h * G) _ _ hG0 (proj2 h0)). assert (hh := Rmult_le_compat_l h _ _ ltac:(lra) (proj2 h0)).
+    assert (hfe : h * f <= / 34359738368 * e) by lra. assert (hhf := Rmult_le_compat_l h _ _ ltac:(lra) hfe). rewrite A_is in *. lra.
+Qed.
+Section Moved.
+Variables X1 Y1 W1 X2 Y2 W2 A_x A_y A_w : R.
+Let near P Q m := Rabs (P - Q) <= m.
+Hypotheses (x1_near : near X1 (x b_x - x a_x) (2 * E)) (x2_near : near X2 (x c_x - x a_x) (2 * E)).
+Hypotheses (y1_near : near Y1 (x b_y - x a_y) (2 * E)) (y2_near : near Y2 (x c_y - x a_y) (2 * E)).
+Hypotheses (w1_near : near W1 (x b_z - x a_z) (2 * F)) (w2_near : near W2 (x c_z - x a_z) (2 * F)).
+Hypotheses (a_x_near : near A_x (x a_x) E) (a_y_near : near A_y (x a_y) E) (a_w_near : near A_w (x a_z) F).
+(* P: the real a's place in the grid. *)
+Variables P_x P_y : R.
+Hypotheses (A_w0 : 0 <= A_w) (A_x_is : A_x = A_w * P_x) (A_y_is : A_y = A_w * P_y) (P_x_in : Rabs P_x <= f) (P_y_in : Rabs P_y <= f).
+Let in_rho v a w P rho := Rabs (x v - x a - P * (x w - x a_z)) <= rho.
+Hypotheses (x1_in : in_rho b_x a_x b_z P_x rho_1) (y1_in : in_rho b_y a_y b_z P_y rho_1).
+Hypotheses (x2_in : in_rho c_x a_x c_z P_x rho_2) (y2_in : in_rho c_y a_y c_z P_y rho_2).
+Theorem in_grid_moves v : computes32 x quotient_1_over (x N_x) -> computes32 x quotient_2_over (x N_y) ->
+  computes32 x quotient_3_over (x N_w) -> computes32 x (determinant_of (Given N_x 0) (Given N_y 0) (Given N_w 0)) v ->
+  Rabs ((Y1 * W2 - W1 * Y2) * A_x + (W1 * X2 - X1 * W2) * A_y + (X1 * Y2 - Y1 * X2) * A_w - v) <= (1 + / 2 ^ 9) * (R1 + A).
+Proof.
+  intros Cx Cy Cw C. destruct (step32_fma _ _ _ _ _ C) as (n_x & a & t & Cn & Ca & C1 & T1). apply given32_is in Cn, Ca. subst a n_x.
+  destruct (step32_fma _ _ _ _ _ C1) as (n_y & a & t' & Cn & Ca & C2 & T2). apply given32_is in Cn, Ca. subst a n_y.
+  destruct (step32_mul _ _ _ _ C2) as (n_w & a & Cn & Ca & T3). apply given32_is in Cn, Ca. subst a n_w. clear C C1 C2.
+  destruct h_r_in as (h0 & r0 & p0 & e2 & e3 & e5 & e6 & Fe & Ee & rF & Fp & e_0 & hE & hF).
+  destruct few_in_grid as (he & A_is & W0 & FW & G2 & R0 & R2). destruct rhos as [[_ q1] [_ q2]].
+  assert (at_side : forall i j, List.In (i, j) sides -> Rabs (x i - x j) <= S) by exact short.
+  assert (normal := fun q v I => normals_near x S (at_side b_x a_x ltac:(cbn; tauto)) (at_side b_y a_y ltac:(cbn; tauto))
+    (at_side b_z a_z ltac:(cbn; tauto)) (at_side c_x a_x ltac:(cbn; tauto)) (at_side c_y a_y ltac:(cbn; tauto))
+    (at_side c_z a_z ltac:(cbn; tauto)) q v I).
+  assert (N1 := normal quotient_1_over _ ltac:(cbn; tauto) Cx). assert (N2 := normal quotient_2_over _ ltac:(cbn; tauto) Cy). assert (N3 := normal quotient_3_over _ ltac:(cbn; tauto) Cw).
+  (* N . P of the computed sides, and of the real ones. *)
+  assert (moved : forall X0 Z0 x0 z0 P, near X0 x0 (2 * E) -> near Z0 z0 (2 * F) -> Rabs P <= f -> Rabs ((X0 - P * Z0) - (x0 - P * z0)) <= e).
+  { unfold near. intros X0 Z0 x0 z0 P HX HZ HP. replace ((X0 - P * Z0) - (x0 - P * z0)) with ((X0 - x0) + - (P * (Z0 - z0))) by ring.
+    eapply Rle_trans; [apply Rabs_triang |]. rewrite Rabs_Ropp, Rabs_mult.
+    assert (K := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) HP HZ). unfold e, f in *. lra. }
+  assert (M := cross_moves _ _ _ _ _ _ _ _ rho_1 rho_2 e e x1_in y1_in x2_in y2_in (moved _ _ _ _ P_x x1_near w1_near P_x_in)
+    (moved _ _ _ _ P_y y1_near w1_near P_y_in) (moved _ _ _ _ P_x x2_near w2_near P_x_in) (moved _ _ _ _ P_y y2_near w2_near P_y_in)).
+  set (n1 := real x quotient_1_over) in *. set (n2 := real x quotient_2_over) in *. set (n3 := real x quotient_3_over) in *.
+  assert (K1 := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) N1 P_x_in). assert (K2 := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) N2 P_y_in).
+  rewrite <- Rabs_mult in K1, K2. assert (GG := G_is). set (lost := normal_loses S) in *.
+  replace (permanent x quotient_1_over) with (real x size_x) in * by (cbn; rewrite !Rabs_mult; reflexivity).
+  replace (permanent x quotient_2_over) with (real x size_y) in * by (cbn; rewrite !Rabs_mult; ring).
+  replace (permanent x quotient_3_over) with (real x size_w) in * by (cbn; rewrite !Rabs_mult; reflexivity).
+  destruct (size_in x S size_x short ltac:(cbn; tauto)) as (_ & _ & x0 & _). destruct (size_in x S size_y short ltac:(cbn; tauto)) as (_ & _ & y0 & _).
+  destruct (size_in x S size_w short ltac:(cbn; tauto)) as (_ & _ & w0 & _). assert (f0 : 1 <= f) by (unfold f; lra).
+  assert (yr := Rmult_le_pos _ f y0 ltac:(lra)). assert (xr := Rmult_le_pos _ f x0 ltac:(lra)).
+  assert (k1 := Rmult_le_pos _ _ e_0 q1). assert (k2 := Rmult_le_pos _ _ e_0 q2). assert (k3 := Rmult_le_pos _ _ e_0 e_0).
+  assert (S0 : 0 <= S) by (eapply Rle_trans; [apply Rabs_pos | apply (short b_x a_x); cbn; tauto]).
+  assert (l0 : 0 <= lost) by (unfold lost, normal_loses; apply Rmult_le_pos; lra).
+  assert (lf := Rmult_le_compat_l lost _ _ l0 f0).
+  set (Q := (Y1 * W2 - W1 * Y2) * P_x + (W1 * X2 - X1 * W2) * P_y + (X1 * Y2 - Y1 * X2)).
+  assert (Q_near : Rabs (Q - (x N_x * P_x + x N_y * P_y + x N_w)) <= (1 + / 1048576) * G + 3 * (lost * f)).
+  { replace (Q - (x N_x * P_x + x N_y * P_y + x N_w)) with (Q - (n1 * P_x + n2 * P_y + n3) -
+      ((x N_x - n1) * P_x + (x N_y - n2) * P_y + (x N_w - n3))) by ring.
+    match type of M with Rabs ?m <= _ => replace m with (Q - (n1 * P_x + n2 * P_y + n3)) in M by (unfold Q, n1, n2, n3; cbn; ring) end.
+    apply between in M, K1, K2, N3. apply Rabs_le. lra. }
+  (* What underflow takes of N. *)
+  assert (q0 : 0 <= rho_1 + rho_2) by lra. assert (eq := Rmult_le_pos _ _ e_0 q0).
+  assert (hf : h * f <= / 34359738368 * e) by (unfold f; lra). assert (hf0 := Rmult_le_pos h f ltac:(lra) ltac:(lra)).
+  assert (lf2 : lost * f <= / 3000 * (e * (rho_1 + rho_2)) + 8 * (h * f)).
+  { assert (L1 := Rmult_le_compat_r (h * f) _ _ hf0 S_in). assert (rq := Rmult_le_pos r _ ltac:(lra) q0).
+    assert (L2 := Rmult_le_compat_r (4 * (r * (rho_1 + rho_2))) _ _ ltac:(lra) hf). assert (L3 := Rmult_le_compat_l (e * (rho_1 + rho_2)) _ _ eq (proj2 r0)).
+    unfold lost, normal_loses. lra. }
+  assert (hW : h * W = h * x a_z + h * F) by (unfold W; ring). assert (hf_is : W * (h * f) = h * W * r + h * (W * p)) by (unfold f; ring).
+  assert (ha : h * x a_z <= / 85070591730234615865843651857942052864 * x a_z) by (apply Rmult_le_compat_r; lra).
+  assert (ha0 := Rmult_le_pos h _ ltac:(lra) a_z_in). assert (hFe := Rmult_le_compat_l h _ _ ltac:(lra) Fe).
+  assert (hF0 := Rmult_le_pos h F ltac:(lra) ltac:(lra)).
+  assert (Wr := Rmult_le_compat_l (h * W) _ _ ltac:(lra) (proj2 r0)). assert (Wp := Rmult_le_compat_l h _ _ ltac:(lra) position_in).
+  assert (WG0 := Rmult_le_pos W G W0 ltac:(lra)).
+  assert (Whf : W * (h * f) <= / 100000 * (A + R1)) by lra.
+  assert (WG2 := Rmult_le_compat_l W _ _ W0 G2). assert (Wl := Rmult_le_compat_l W _ _ W0 lf2).
+  assert (AW : A_w <= W) by (assert (K := between _ _ a_w_near); unfold W; lra).
+  assert (N_moves := Rmult_le_compat _ _ _ _ A_w0 (Rabs_pos _) AW Q_near). rewrite <- (Rabs_pos_eq A_w) in N_moves at 1 by exact A_w0.
+  rewrite <- Rabs_mult in N_moves.
+  (* What a moves, and the roundings. *)
+  assert (b1 := Rabs_pos (x N_x)). assert (b2 := Rabs_pos (x N_y)). assert (b3 := Rabs_pos (x N_w)).
+  assert (c1 := Rabs_pos (x a_x)). assert (c2 := Rabs_pos (x a_y)). assert (c3 := Rabs_pos (x a_z)).
+  assert (d1 := Rabs_pos (x N_x * x a_x)). assert (d2 := Rabs_pos (x N_y * x a_y)). assert (d3 := Rabs_pos (x N_w * x a_z)).
+  assert (t2 := Rabs_triang (t' - x N_w * x a_z) (x N_w * x a_z)). replace (t' - x N_w * x a_z + x N_w * x a_z) with t' in t2 by ring.
+  assert (t1 := Rabs_triang (t - (x N_y * x a_y + t')) (x N_y * x a_y + t')).
+  replace (t - (x N_y * x a_y + t') + (x N_y * x a_y + t')) with t in t1 by ring.
+  assert (t3 := Rabs_triang (x N_y * x a_y) t'). assert (t4 := Rabs_triang (x N_x * x a_x) t).
+  assert (L1 := Rmult_le_compat_l _ _ _ b1 a_x_near). assert (L2 := Rmult_le_compat_l _ _ _ b2 a_y_near).
+  assert (L3 := Rmult_le_compat_l _ _ _ b3 a_w_near). rewrite <- !Rabs_mult in L1, L2, L3.
+  assert (hn1 := Rmult_le_compat_l _ _ _ b1 hE). assert (hn2 := Rmult_le_compat_l _ _ _ b2 hE). assert (hn3 := Rmult_le_compat_l _ _ _ b3 hF).
+  assert (hb1 := Rmult_le_pos _ h b1 ltac:(lra)). assert (hb2 := Rmult_le_pos _ h b2 ltac:(lra)). assert (hb3 := Rmult_le_pos _ h b3 ltac:(lra)).
+  assert (ha1 := Rmult_le_compat_r _ _ _ c1 (proj2 h0)). assert (ha2 := Rmult_le_compat_r _ _ _ c2 (proj2 h0)). assert (ha3 := Rmult_le_compat_r _ _ _ c3 (proj2 h0)).
+  assert (hc1 := Rmult_le_pos h _ ltac:(lra) c1). assert (hc2 := Rmult_le_pos h _ ltac:(lra) c2). assert (hc3 := Rmult_le_pos h _ ltac:(lra) c3).
+  assert (R := proj1 (R1_is x E_in F_in)). fold R1 in R. fold E F in R.
+  assert (T : Rabs (v - (x N_x * x a_x + t)) + Rabs (t - (x N_y * x a_y + t')) + Rabs (t' - x N_w * x a_z) <=
+    302 / 100 * (/ 16777216) * (Rabs (x N_x * x a_x) + Rabs (x N_y * x a_y) + Rabs (x N_w * x a_z)) +
+    3 * h * (Rabs (x N_x) + Rabs (x N_y) + Rabs (x N_w) + Rabs (x a_x) + Rabs (x a_y) + Rabs (x a_z) + 5)).
+  { clear - T1 T2 T3 t1 t2 t3 t4 h0 b1 b2 b3 c1 c2 c3 d1 d2 d3 hb1 hb2 hb3 hc1 hc2 hc3. lra. }
+  assert (v1 := between _ _ (Rle_refl (Rabs (v - (x N_x * x a_x + t))))).
+  assert (v2 := between _ _ (Rle_refl (Rabs (t - (x N_y * x a_y + t'))))).
+  assert (v3 := between _ _ (Rle_refl (Rabs (t' - x N_w * x a_z)))).
+  replace ((Y1 * W2 - W1 * Y2) * A_x + (W1 * X2 - X1 * W2) * A_y + (X1 * Y2 - Y1 * X2) * A_w - v) with
+    (A_w * (Q - (x N_x * P_x + x N_y * P_y + x N_w)) + (x N_x * (A_x - x a_x) + x N_y * (A_y - x a_y) + x N_w * (A_w - x a_z)) -
+     ((v - (x N_x * x a_x + t)) + (t - (x N_y * x a_y + t')) + (t' - x N_w * x a_z))) by (unfold Q; rewrite A_x_is, A_y_is; ring).
+  apply between in N_moves, L1, L2, L3. apply Rabs_le.
+  clear - N_moves L1 L2 L3 T v1 v2 v3 Wl WG2 Whf A_is R hn1 hn2 hn3 ha1 ha2 ha3 R0 R2 h0 b1 b2 b3 c1 c2 c3 d1 d2 d3 hb1 hb2 hb3 hc1 hc2 hc3.
+  simpl. lra.
+Qed.
+End Moved.
+End InGrid.
+
 (* What the margin multiplies with 1.01 has only positive terms, so that it is computed at least at this much of its size; its
    quotients have met 5 roundings more. *)
 Lemma inflation_is_enough : Qle_bool of_quotient (inflation * (1 - alphaQ u32Q (roundings margin + 5))) = true.
@@ -1074,5 +1447,6 @@ Definition constants := Eval vm_compute in shown least_bound of_largest.
 Print constants.
 Definition checked := (rounding, of_quotients, margin_near, products_near, delta_np_has_it, determinant_is,
   determinant_moves, quotients_are, over_least, under_most, quotients_are_enough, np_has_it, det_has_it, delta_parts, delta_is,
-  anywhere_least, cross_moves, quotient_moves, inflation_is_enough, kernel_is_enough).
+  anywhere_least, cross_moves, quotient_moves, in_grid_is, position_has_it, in_grid_least,
+  in_grid_moves, inflation_is_enough, kernel_is_enough).
 Print Assumptions checked.
