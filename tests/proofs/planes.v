@@ -293,10 +293,18 @@ Proof. intros C. near x1_near y2_near y1_near x2_near v C n_z. errors_are_positi
 (* ---- The quotient of the margin, as it is computed ---- *)
 Definition R_sum := Add (Add (Given error 0) (Given greater_3 0)) (Given point_error 0).
 Definition E_sum := Add (Given error 0) (Given point_error 0).
-Lemma over_is : quotient_4_over = Add (Add (Add (Mul delta_x R_sum) (Mul delta_y R_sum)) (Mul delta_z (Given quotient_3 5)))
-    (Mul (Add (Abs n_x) (Abs n_y)) E_sum) /\
-  quotient_3_over = Mul (Add (Abs n_x) (Abs n_y)) R_sum /\
-  quotient_3_under = Sub (Abs n_z) (Times inflation delta_z) /\ quotient_4_under = quotient_3_under.
+(* N is n as it is computed: one float, wherever it is used. *)
+Definition N_x := 90%nat.
+Definition N_y := 91%nat.
+Definition N_z := 92%nat.
+Definition size_of n m := Add (Abs n) (Abs m).
+Definition over_of size := Add (Add (Add (Mul delta_x R_sum) (Mul delta_y R_sum)) (Mul delta_z (Given quotient_3 5)))
+  (Mul size E_sum).
+Definition over_3_of size := Mul size R_sum.
+Definition under_of n := Sub (Abs n) (Times inflation delta_z).
+Lemma quotients_are : quotient_1_over = Neg n_x /\ quotient_2_over = Neg n_y /\ quotient_1_under = n_z /\
+  quotient_2_under = n_z /\ quotient_3_over = over_3_of (size_of n_x n_y) /\ quotient_3_under = under_of n_z /\
+  quotient_4_over = over_of (size_of n_x n_y) /\ quotient_4_under = under_of n_z.
 Proof. repeat split. Qed.
 Ltac positive_products :=
   assert (e0 : 0 <= x error) by (simpl in *; lra); assert (z0 : 0 <= x error_z) by (simpl in *; lra);
@@ -339,10 +347,11 @@ Proof.
     replace (Q2R (1 # 4194304)) with (/ 4194304) by (unfold Q2R; simpl; lra); errors_are_positive; positive_products; simpl in *; lra.
 Qed.
 
-(* N is the computed n, which is the same float wherever it is used; rho is half a texel at least (edge_functions.v). *)
-Variables N_x N_y N_z : R.
-Hypotheses (N_x_is : forall p, computes32 x n_x p -> Rabs p = N_x) (N_y_is : forall p, computes32 x n_y p -> Rabs p = N_y).
-Hypotheses (N_z_is : forall p, computes32 x n_z p -> Rabs p = N_z) (N_x0 : 0 <= N_x) (N_y0 : 0 <= N_y).
+(* rho is half a texel at least (edge_functions.v). *)
+Definition size_n := size_of (Given N_x 0) (Given N_y 0).
+Let N := Rabs (x N_x) + Rabs (x N_y).
+Lemma N_positive : 0 <= N.
+Proof. apply Rplus_le_le_0_compat; apply Rabs_pos. Qed.
 Hypotheses (greater_3_in : / 2 <= x greater_3) (point_error0 : 0 <= x point_error).
 Let rho := real x R_sum.
 Let reach_error := real x E_sum.
@@ -356,7 +365,7 @@ Proof.
   assert (M : forall p, computes32 x (Add (Given error 0) (Given greater_3 0)) p ->
     (1 - u) * (x error + x greater_3) - 4 * h <= p).
   { intros p D. apply (least_add x _ _ (x error) (x greater_3) p D); auto; lra. }
-  assert (N := least_add x _ _ ((1 - u) * (x error + x greater_3) - 4 * h) (x point_error) v C ltac:(lra) point_error0 M
+  assert (M2 := least_add x _ _ ((1 - u) * (x error + x greater_3) - 4 * h) (x point_error) v C ltac:(lra) point_error0 M
     (given point_error)).
   lra.
 Qed.
@@ -364,24 +373,23 @@ Lemma reach_error_least v : computes32 x E_sum v -> (1 - 2 * u) * reach_error <=
 Proof.
   intros C. assert (E := error_in). destruct h32_powers as [h0 hh]. unfold reach_error. cbn. simpl in *.
   assert (given : forall i p, computes32 x (Given i 0) p -> x i <= p) by (intros; now apply (least_given x i)).
-  assert (N := least_add x _ _ (x error) (x point_error) v C ltac:(lra) point_error0 (given error) (given point_error)). lra.
+  assert (M2 := least_add x _ _ (x error) (x point_error) v C ltac:(lra) point_error0 (given error) (given point_error)). lra.
 Qed.
-Lemma size_least v : computes32 x (Add (Abs n_x) (Abs n_y)) v -> Rmax 0 ((1 - u) * (N_x + N_y) - 7 * h) <= v.
+Lemma size_least v : computes32 x size_n v -> Rmax 0 ((1 - u) * N - 7 * h) <= v.
 Proof.
-  intros C. destruct h32_powers as [h0 hh]. apply Rmax_lub; [exact (positive_is x (Add (Abs n_x) (Abs n_y)) v (conj I I) C) |].
-  assert (one : forall n N, (forall p, computes32 x n p -> Rabs p = N) -> forall p, computes32 x (Abs n) p -> Rmax 0 (N - h) <= p).
-  { intros n N H p D. apply Rmax_lub; [exact (positive_is x (Abs n) p I D) |].
-    apply (least_abs x n N p D). intros q Cq. rewrite (H q Cq). lra. }
-  assert (M := least_add x _ _ (Rmax 0 (N_x - h)) (Rmax 0 (N_y - h)) v C (Rmax_l _ _) (Rmax_l _ _) (one _ _ N_x_is) (one _ _ N_y_is)).
-  assert (M1 := Rmax_r 0 (N_x - h)). assert (M2 := Rmax_r 0 (N_y - h)). lra.
+  intros C. destruct h32_powers as [h0 hh]. apply Rmax_lub; [exact (positive_is x size_n v (conj I I) C) |].
+  assert (one : forall i p, computes32 x (Abs (Given i 0)) p -> Rmax 0 (Rabs (x i) - h) <= p).
+  { intros i p D. apply Rmax_lub; [exact (positive_is x (Abs (Given i 0)) p I D) | now apply least_abs_given]. }
+  assert (M := least_add x _ _ _ _ v C (Rmax_l _ _) (Rmax_l _ _) (one N_x) (one N_y)).
+  assert (M1 := Rmax_r 0 (Rabs (x N_x) - h)). assert (M2 := Rmax_r 0 (Rabs (x N_y) - h)). unfold N. lra.
 Qed.
 (* With what is lost of the product of delta_z, which may underflow where no other does. *)
 Hypothesis quotient_3_positive : 0 <= x quotient_3.
 Let D_x := real x delta_x. Let D_y := real x delta_y. Let D_z := real x delta_z.
-Theorem over_least v : computes32 x quotient_4_over v ->
-  (1 - / 300) * (D_x * rho + D_y * rho + D_z * x quotient_3 + (N_x + N_y) * reach_error) - 2 * h * D_z <= v.
+Theorem over_least v : computes32 x (over_of size_n) v ->
+  (1 - / 300) * (D_x * rho + D_y * rho + D_z * x quotient_3 + N * reach_error) - 2 * h * D_z <= v.
 Proof.
-  rewrite (proj1 over_is). intros C. destruct h32_powers as [h0 hh]. destruct sums_in as [r0 [s0 s1]].
+  intros C. destruct h32_powers as [h0 hh]. destruct sums_in as [r0 [s0 s1]].
   assert (dx : forall p, computes32 x delta_x p -> (1 - / 500) * D_x <= p) by (intros p D; apply (delta_least delta_x p ltac:(cbn; tauto) D)).
   assert (dy : forall p, computes32 x delta_y p -> (1 - / 500) * D_y <= p) by (intros p D; apply (delta_least delta_y p ltac:(cbn; tauto) D)).
   assert (dz : forall p, computes32 x delta_z p -> (1 - / 500) * D_z <= p) by (intros p D; apply (delta_least delta_z p ltac:(cbn; tauto) D)).
@@ -409,11 +417,11 @@ Proof.
     inversion Cp as [ | | | | | | | | ? ? a b sa sb ? Ca Cb Sa Sb R | ]; subst. apply dz in Ca. apply q in Cb.
     apply (proj2 (rounds32_positive _ _ R)). apply Rmult_le_pos; [apply (proj2 (seen32_positive _ _ Sa)) | apply (proj2
       (seen32_positive _ _ Sb))]; lra. }
-  set (N := N_x + N_y) in *. assert (N0 : 0 <= N) by (unfold N; lra).
+  assert (N0 := N_positive).
   assert (hN : 0 <= h * N <= / 2 ^ 126 * N) by (split; [apply Rmult_le_pos; lra | apply Rmult_le_compat_r; simpl; lra]).
   simpl in hN. assert (Ns := Rmult_le_compat_l N _ _ N0 s0). assert (hs := Rmult_le_compat_l h _ _ ltac:(lra) s1).
   assert (hs0 : 0 <= h * reach_error) by (apply Rmult_le_pos; lra).
-  assert (of_size : forall p, computes32 x (Mul (Add (Abs n_x) (Abs n_y)) E_sum) p ->
+  assert (of_size : forall p, computes32 x (Mul size_n E_sum) p ->
     Rmax 0 ((1 - / 450) * (N * reach_error) - 9 * h * rho - 2 * h) <= p).
   { intros p Cp. set (B := Rmax 0 ((1 - u) * N - 7 * h)).
     assert (M := least_mul x _ _ B ((1 - 2 * u) * reach_error) p Cp (Rmax_l _ _) ltac:(lra) size_least reach_error_least).
@@ -445,11 +453,11 @@ Proof.
   assert (zq0 : 0 <= D_z * Q3) by (apply Rmult_le_pos; lra). assert (N1 : 0 <= N * reach_error) by (apply Rmult_le_pos; lra).
   lra.
 Qed.
-Lemma over_3_least v : computes32 x quotient_3_over v ->
-  (1 - / 2 ^ 21) * ((N_x + N_y) * rho) - 9 * h * rho - 2 * h <= v /\ 0 <= v.
+Lemma over_3_least v : computes32 x (over_3_of size_n) v ->
+  (1 - / 2 ^ 21) * (N * rho) - 9 * h * rho - 2 * h <= v /\ 0 <= v.
 Proof.
-  rewrite (proj1 (proj2 over_is)). intros C. destruct h32_powers as [h0 hh]. destruct sums_in as [r0 _]. simpl in h0.
-  set (N := N_x + N_y) in *. assert (N0 : 0 <= N) by (unfold N; lra). set (B := Rmax 0 ((1 - u) * N - 7 * h)).
+  intros C. destruct h32_powers as [h0 hh]. destruct sums_in as [r0 _]. simpl in h0.
+  assert (N0 := N_positive). set (B := Rmax 0 ((1 - u) * N - 7 * h)).
   assert (M := least_mul x _ _ B ((1 - 3 * u) * rho) v C (Rmax_l _ _) ltac:(lra) size_least rho_least).
   assert (B1 : (1 - u) * N - 7 * h <= B) by apply Rmax_r. assert (B2 : B <= N) by (apply Rmax_lub; lra).
   assert (B3 := Rmult_le_compat_r rho _ _ ltac:(lra) B1). assert (B4 := Rmult_le_compat_l h _ _ ltac:(lra) B2).
@@ -461,14 +469,15 @@ Proof.
   apply (proj2 (rounds32_positive _ _ R)). apply Rmult_le_pos; [apply (proj2 (seen32_positive _ _ Sa)) | apply (proj2
     (seen32_positive _ _ Sb))]; lra.
 Qed.
-Theorem under_most w : computes32 x quotient_4_under w -> 0 < w -> w <= (1 + 2 * u) * (N_z - (1 + / 256) * D_z).
+Theorem under_most w : computes32 x (under_of (Given N_z 0)) w -> 0 < w ->
+  w <= (1 + 2 * u) * (Rabs (x N_z) - (1 + / 256) * D_z).
 Proof.
-  rewrite (proj2 (proj2 (proj2 over_is))), (proj1 (proj2 (proj2 over_is))). intros C w0.
+  intros C w0.
   destruct h32_powers as [h0 hh]. simpl in h0. assert (zz : / 2 ^ 45 <= D_z) by exact delta_z_in. simpl in zz.
   destruct (step32_sub _ _ _ _ C) as (p & t & Cp & Ct & R).
-  assert (p_is : p <= N_z + h).
-  { inversion Cp as [ | | | | | ? q s Cq S | | | | ]; subst. apply N_z_is in Cq. apply seen32_near in S.
-    assert (T := Rabs_triang (s - q) q). replace (s - q + q) with s in T by ring. lra. }
+  assert (p_is : p <= Rabs (x N_z) + h).
+  { inversion Cp as [ | | | | | ? q s Cq S | | | | ]; subst. apply given32_is in Cq. subst q. apply seen32_near in S.
+    assert (T := Rabs_triang (s - x N_z) (x N_z)). replace (s - x N_z + x N_z) with s in T by ring. lra. }
   assert (i : 10099 / 10000 <= Q2R inflation <= 2).
   { replace (10099 / 10000) with (Q2R (10099 # 10000)) by (unfold Q2R; simpl; lra). rewrite <- Q2R_2.
     split; apply Qle_Rle, Qle_bool_iff; vm_compute; reflexivity. }
@@ -482,39 +491,40 @@ Proof.
 Qed.
 (* So the margin's quotient is at least what plane_moves asks for, with the normal's errors of n_x_near and so on. *)
 Definition of_quotient : Q := 1 + (85 # 10000).
-Theorem quotient_is_enough v w v_3 : computes32 x quotient_4_over v -> computes32 x quotient_4_under w ->
-  computes32 x quotient_3_over v_3 -> Rabs (x quotient_3 - v_3 / w) <= h -> 0 < w -> N_z <= 5 * w ->
+Theorem quotient_is_enough v w v_3 : computes32 x (over_of size_n) v -> computes32 x (under_of (Given N_z 0)) w ->
+  computes32 x (over_3_of size_n) v_3 -> Rabs (x quotient_3 - v_3 / w) <= h -> 0 < w -> Rabs (x N_z) <= 5 * w ->
   let d_x := (1 + / 256) * D_x in let d_y := (1 + / 256) * D_y in let d_z := (1 + / 256) * D_z in
-  (d_x * rho + d_y * rho + d_z * ((N_x + N_y) * rho / N_z) + (N_x + N_y) * reach_error) / (N_z - d_z) <=
+  d_z < Rabs (x N_z) /\
+  (d_x * rho + d_y * rho + d_z * (N * rho / Rabs (x N_z)) + N * reach_error) / (Rabs (x N_z) - d_z) <=
   Q2R of_quotient * (v / w) + / 2 ^ 110.
 Proof.
   intros Cv Cw C3 H3 w0 usable d_x d_y d_z. assert (V := over_least _ Cv). assert (W := under_most _ Cw w0).
   destruct (over_3_least _ C3) as [V3 v30]. destruct h32_powers as [h0 hh]. destruct sums_in as [r0 [s0 s1]].
   destruct deltas_in as (x0 & y0 & z0). fold D_x in x0. fold D_y in y0. fold D_z in z0.
   replace (Q2R of_quotient) with (10085 / 10000) by (unfold Q2R, of_quotient; simpl; lra).
-  set (N := N_x + N_y) in *. assert (N0 : 0 <= N) by (unfold N; lra). fold d_z in W. set (G := N_z - d_z) in *.
+  assert (N0 := N_positive). set (n := Rabs (x N_z)) in *. fold d_z in W. set (G := n - d_z) in *.
   simpl in h0, x0, y0, z0, s0.
-  assert (G0 : 0 < G) by lra. assert (dz0 : 0 <= d_z) by (unfold d_z; lra). assert (Nz : 0 < N_z) by (unfold G in G0; lra).
+  assert (G0 : 0 < G) by lra. split; [unfold G in G0; lra |]. assert (dz0 : 0 <= d_z) by (unfold d_z; lra). assert (Nz : 0 < n) by (unfold G in G0; lra).
   assert (IG := Rinv_0_lt_compat _ G0). assert (Iw := Rinv_0_lt_compat _ w0). assert (IN := Rinv_0_lt_compat _ Nz).
   assert (Gw : / G <= (1 + 2 * u) * / w).
   { apply Rmult_le_reg_r with G; [exact G0 |]. rewrite Rinv_l by lra.
     assert (K := Rmult_le_compat_r (/ w) _ _ ltac:(lra) W). rewrite Rinv_r in K by lra. lra. }
-  assert (wN : / N_z <= (1 + 2 * u) * / w).
+  assert (wN : / n <= (1 + 2 * u) * / w).
   { apply Rle_trans with (/ G); [| exact Gw]. apply Rinv_le_contravar; [exact G0 | unfold G; lra]. }
   (* rho_z, from the computed quotient. *)
-  set (q := N * rho * / N_z). assert (Nr : 0 <= N * rho) by (apply Rmult_le_pos; lra).
+  set (q := N * rho * / n). assert (Nr : 0 <= N * rho) by (apply Rmult_le_pos; lra).
   assert (hr : h * rho <= / 2 ^ 15 * (D_x * rho)).
   { assert (K := Rmult_le_compat_r rho h (/ 2 ^ 15 * D_x) ltac:(lra) ltac:(simpl; lra)). lra. }
   assert (hr0 : 0 <= h * rho) by (apply Rmult_le_pos; lra). simpl in hr.
-  assert (Z1 : d_z * / N_z <= 1).
-  { apply Rmult_le_reg_r with N_z; [exact Nz |]. rewrite Rmult_assoc, Rinv_l by lra. unfold G in G0. lra. }
-  assert (Z2 : 0 <= d_z * / N_z) by (apply Rmult_le_pos; lra).
+  assert (Z1 : d_z * / n <= 1).
+  { apply Rmult_le_reg_r with n; [exact Nz |]. rewrite Rmult_assoc, Rinv_l by lra. unfold G in G0. lra. }
+  assert (Z2 : 0 <= d_z * / n) by (apply Rmult_le_pos; lra).
   assert (q_is : d_z * q <= (1 + / 2 ^ 18) * (d_z * x quotient_3) + (1 + / 2 ^ 18) * (d_z * h) + 11 * (h * rho) + 3 * h).
-  { assert (K1 : v_3 * / N_z <= (1 + 2 * u) * (v_3 / w)).
+  { assert (K1 : v_3 * / n <= (1 + 2 * u) * (v_3 / w)).
     { assert (K := Rmult_le_compat_l v_3 _ _ v30 wN). unfold Rdiv. lra. }
-    apply between in H3. assert (K2 : v_3 * / N_z <= (1 + 2 * u) * (x quotient_3 + h)) by lra.
-    assert (K3 := Rmult_le_compat_r (/ N_z) _ _ ltac:(lra) V3).
-    assert (K4 : (1 - / 2 ^ 21) * q <= v_3 * / N_z + (9 * (h * rho) + 2 * h) * / N_z) by (unfold q; lra).
+    apply between in H3. assert (K2 : v_3 * / n <= (1 + 2 * u) * (x quotient_3 + h)) by lra.
+    assert (K3 := Rmult_le_compat_r (/ n) _ _ ltac:(lra) V3).
+    assert (K4 : (1 - / 2 ^ 21) * q <= v_3 * / n + (9 * (h * rho) + 2 * h) * / n) by (unfold q; lra).
     assert (K5 := Rmult_le_compat_l d_z _ _ dz0 K4). assert (K6 := Rmult_le_compat_l d_z _ _ dz0 K2).
     assert (K7 := Rmult_le_compat_r (9 * (h * rho) + 2 * h) _ _ ltac:(lra) Z1).
     assert (q0 : 0 <= q) by (unfold q; apply Rmult_le_pos; lra). assert (K8 := Rmult_le_pos _ _ dz0 q0).
@@ -531,7 +541,7 @@ Proof.
   assert (T_is : T <= 10084 / 10000 * v + 5 * (h * D_z)) by (unfold T, d_x, d_y, d_z in *; simpl in q_is; lra).
   assert (v0 : 0 <= 10084 / 10000 * v + 5 * (h * D_z)).
   { eapply Rle_trans; [| exact T_is]. unfold T, d_x, d_y, d_z, q. repeat first [lra | apply Rplus_le_le_0_compat | apply Rmult_le_pos]. }
-  replace (d_x * rho + d_y * rho + d_z * (N * rho / N_z) + N * reach_error) with T by (unfold T, q, Rdiv; ring).
+  replace (d_x * rho + d_y * rho + d_z * (N * rho / n) + N * reach_error) with T by (unfold T, q, Rdiv; ring).
   unfold Rdiv. eapply Rle_trans; [apply Rmult_le_compat; [| lra | exact T_is | exact Gw] |].
   - unfold T, d_x, d_y, d_z, q. repeat first [lra | apply Rplus_le_le_0_compat | apply Rmult_le_pos].
   - assert (zw : D_z * / w <= 5).
@@ -606,6 +616,6 @@ Proof. vm_compute. split; discriminate. Qed.
 
 Definition constants := Eval vm_compute in shown least_bound of_largest.
 Print constants.
-Definition checked := (rounding, of_quotients, margin_near, n_x_near, n_y_near, n_z_near, over_least, under_most,
+Definition checked := (rounding, of_quotients, margin_near, n_x_near, n_y_near, n_z_near, quotients_are, over_least, under_most,
   quotient_is_enough, plane_moves, inflation_is_enough, kernel_is_enough).
 Print Assumptions checked.
