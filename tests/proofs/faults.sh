@@ -49,6 +49,8 @@ noticed beams/beam_intersect.clh 's/5\.2e-7f/2.6e-7f/' beams.v
 noticed occluders/triangle_records.clh 's/safe_n_z + v\[0\].error_z + height_error/safe_n_z/' planes.v
 noticed occluders/triangle_records.clh 's/PLANE_NEAR 0x1p-80f/PLANE_NEAR 0x1p-82f/' planes.v
 refused planes
+noticed occluders/triangle_records.clh 's/(ay1 \* az2 + az1 \* ay2) \* (4\.0f/(ay1 * az2 + az1 * ay2) * (3.0f/' planes.v
+refused planes
 noticed occluders/triangle_records.clh 's/largest \* (8.0f \* GN_U)/largest * (6.5f * GN_U)/' planes_in_perspective.v
 refused planes_in_perspective
 noticed occluders/triangle_records.clh 's/side_error_1 \* side_error_2 \* 2.0f/side_error_1 * side_error_2/' planes_in_perspective.v

@@ -5,6 +5,7 @@
      n_x_near and so on      the normal: delta_x, delta_y, delta_z;
      plane_moves             what errors of normal, corner and point do to the height: the margin's quotient and error_z;
      quotient_is_enough      that quotient as it is computed, by over_least and under_most, times 1.0085;
+     plane_is_near           these three together, of any computed n;
      margin_near             the margin, from its quotients.
    height_error on top is the point's own.
 
@@ -12,9 +13,9 @@
    |a_x| and |a_y| are at most what L multiplies the slopes with, which is from 1 (a bin has a texel) to 2^40 (vertices from
    1e12 on are out of range); largest_offset(), greater_3, is half a texel at least (edge_functions.v, rho_has, with W = 1); a
    quotient is off by 2.5 ulp and by 2^-126, as a slope is; safe_n_z is more than a quarter of |n_z|, which the kernel asks,
-   here a fifth. The computed n is one float wherever it is used. Denormals may be kept or flushed: what that takes of the normal
-   is less than 2^-8 of the delta, of the quotient's sums a third of a hundredth, of the rest it is in PLANE_NEAR. Overflow: no
-   height is certain where the margin is infinite. *)
+   here a fifth. N, the computed n, is one float wherever it is used. Denormals may be kept or flushed: what that takes of the
+   normal is less than 2^-8 of the delta, of the quotient's sums a third of a hundredth, of the rest it is in PLANE_NEAR.
+   Overflow: no height is certain where the margin is infinite. *)
 From Coq Require Import Reals QArith Qreals Lra Lia Psatz.
 From Flocq Require Import Core.
 Require Import Roundings Devices Filters.
@@ -123,6 +124,56 @@ Definition margin :=
 (* where quotient_4_under > mul(abs(quotient_2_under), 0.25) *)
 (* where margin < infinity *)
 (* end: from the kernels *)
+
+(* The heights of two planes: z through `a` with the normal n, as they are computed, and Z through A with the normal
+  m, the
+   real one, at points whose places relative to a and A, (P, Q) and (X, Y), are within E. *)
+Section Moved.
+Open Scope R_scope.
+Variables n_x n_y n_z m_x m_y m_z d_x d_y d_z P Q X Y a A rho E e : R.
+Hypotheses (near_x : Rabs (m_x - n_x) <= d_x) (near_y : Rabs (m_y - n_y) <= d_y) (near_z : Rabs (m_z - n_z) <= d_z).
+Hypotheses (X_in : Rabs X <= rho) (Y_in : Rabs Y <= rho) (P_in : Rabs P <= rho) (Q_in : Rabs Q <= rho).
+Hypotheses (X_near : Rabs (X - P) <= E) (Y_near : Rabs (Y - Q) <= E) (A_near : Rabs (A - a) <= e).
+Hypothesis steep : d_z < Rabs n_z.
+
+Theorem plane_moves :
+  Rabs ((A - (m_x * X + m_y * Y) / m_z) - (a + (- n_x / n_z * P + - n_y / n_z * Q))) <=
+  (d_x * rho + d_y * rho + d_z * ((Rabs n_x + Rabs n_y) * rho / Rabs n_z) + (Rabs n_x + Rabs n_y) * E) /
+  (Rabs n_z - d_z) + e.
+Proof.
+  assert (nonzero : n_z <> 0) by (intros ->; rewrite Rabs_R0 in steep; assert (S := Rabs_pos (m_z - 0)); lra).
+  assert (least : Rabs n_z - d_z <= Rabs m_z).
+  { assert (T := Rabs_triang_inv n_z (n_z - m_z)). replace (n_z - (n_z - m_z)) with m_z in T by ring.
+    rewrite Rabs_minus_sym in near_z. lra. }
+  assert (M : m_z <> 0) by (intros ->; rewrite Rabs_R0 in least; lra).
+  set (T := (n_x * P + n_y * Q) / n_z).
+  set (K := (m_x - n_x) * X + ((m_y - n_y) * Y + ((n_x * (X - P) + n_y * (Y - Q)) + - ((m_z - n_z) * T)))).
+  replace ((A - (m_x * X + m_y * Y) / m_z) - (a + (- n_x / n_z * P + - n_y / n_z * Q))) with (- (K * / m_z) + (A - a))
+    by (unfold K, T; field; auto).
+  eapply Rle_trans; [apply Rabs_triang |]. apply Rplus_le_compat; [| assumption].
+  rewrite Rabs_Ropp, Rabs_mult, Rabs_inv. unfold Rdiv.
+  assert (times : forall p q r s, Rabs p <= r -> Rabs q <= s -> Rabs (p * q) <= r * s).
+  { intros. rewrite Rabs_mult. apply Rmult_le_compat; auto using Rabs_pos. }
+  assert (T_in : Rabs T <= (Rabs n_x + Rabs n_y) * rho * / Rabs n_z).
+  { unfold T, Rdiv. rewrite Rabs_mult, Rabs_inv. apply Rmult_le_compat_r.
+    - left. apply Rinv_0_lt_compat, Rabs_pos_lt, nonzero.
+    - eapply Rle_trans; [apply Rabs_triang |].
+      assert (G1 := times _ _ _ _ (Rle_refl (Rabs n_x)) P_in). assert (G2 := times _ _ _ _ (Rle_refl (Rabs n_y))
+        Q_in). lra. }
+  apply Rmult_le_compat; auto using Rabs_pos.
+  - left. apply Rinv_0_lt_compat, Rabs_pos_lt, M.
+  - unfold K.
+    assert (T1 := Rabs_triang ((m_x - n_x) * X) ((m_y - n_y) * Y + ((n_x * (X - P) + n_y * (Y - Q)) + - ((m_z - n_z) *
+      T)))).
+    assert (T2 := Rabs_triang ((m_y - n_y) * Y) ((n_x * (X - P) + n_y * (Y - Q)) + - ((m_z - n_z) * T))).
+    assert (T3 := Rabs_triang (n_x * (X - P) + n_y * (Y - Q)) (- ((m_z - n_z) * T))). rewrite Rabs_Ropp in T3.
+    assert (T4 := Rabs_triang (n_x * (X - P)) (n_y * (Y - Q))).
+    assert (G1 := times _ _ _ _ near_x X_in). assert (G2 := times _ _ _ _ near_y Y_in).
+    assert (G3 := times _ _ _ _ near_z T_in). assert (G4 := times _ _ _ _ (Rle_refl (Rabs n_x)) X_near).
+    assert (G5 := times _ _ _ _ (Rle_refl (Rabs n_y)) Y_near). lra.
+  - apply Rinv_le_contravar; lra.
+Qed.
+End Moved.
 
 Section Plane.
 Variable x : nat -> R.
@@ -283,11 +334,11 @@ Ltac errors_are_positive :=
     | _ : 0 <= Rabs y * Rabs z |- _ => fail
     | _ => assert (0 <= Rabs y * Rabs z) by (apply Rmult_le_pos; apply Rabs_pos) end end.
 
-Theorem n_x_near v : computes32 x n_x v -> Rabs ((y1 * z2 - z1 * y2) - v) <= (1 + / 256) * real x delta_x.
+Theorem n_x_near v : computes32 x n_x v -> Rabs ((y1 * z2 - z1 * y2) - v) <= (1 + / 300) * real x delta_x.
 Proof. intros C. near y1_near z2_near z1_near y2_near v C n_x. errors_are_positive. lra. Qed.
-Theorem n_y_near v : computes32 x n_y v -> Rabs ((z1 * x2 - x1 * z2) - v) <= (1 + / 256) * real x delta_y.
+Theorem n_y_near v : computes32 x n_y v -> Rabs ((z1 * x2 - x1 * z2) - v) <= (1 + / 300) * real x delta_y.
 Proof. intros C. near z1_near x2_near x1_near z2_near v C n_y. errors_are_positive. lra. Qed.
-Theorem n_z_near v : computes32 x n_z v -> Rabs ((x1 * y2 - y1 * x2) - v) <= (1 + / 256) * real x delta_z.
+Theorem n_z_near v : computes32 x n_z v -> Rabs ((x1 * y2 - y1 * x2) - v) <= (1 + / 300) * real x delta_z.
 Proof. intros C. near x1_near y2_near y1_near x2_near v C n_z. errors_are_positive. lra. Qed.
 
 (* ---- The quotient of the margin, as it is computed ---- *)
@@ -491,14 +542,15 @@ Proof.
 Qed.
 (* So the margin's quotient is at least what plane_moves asks for, with the normal's errors of n_x_near and so on. *)
 Definition of_quotient : Q := 1 + (85 # 10000).
-Theorem quotient_is_enough v w v_3 : computes32 x (over_of size_n) v -> computes32 x (under_of (Given N_z 0)) w ->
-  computes32 x (over_3_of size_n) v_3 -> Rabs (x quotient_3 - v_3 / w) <= h -> 0 < w -> Rabs (x N_z) <= 5 * w ->
+Theorem quotient_is_enough v w v_3 s_3 : computes32 x (over_of size_n) v -> computes32 x (under_of (Given N_z 0)) w ->
+  computes32 x (over_3_of size_n) v_3 -> seen32 v_3 s_3 -> Rabs (x quotient_3 - s_3 / w) <= h -> 0 < w ->
+  Rabs (x N_z) <= 5 * w ->
   let d_x := (1 + / 256) * D_x in let d_y := (1 + / 256) * D_y in let d_z := (1 + / 256) * D_z in
   d_z < Rabs (x N_z) /\
   (d_x * rho + d_y * rho + d_z * (N * rho / Rabs (x N_z)) + N * reach_error) / (Rabs (x N_z) - d_z) <=
   Q2R of_quotient * (v / w) + / 2 ^ 110.
 Proof.
-  intros Cv Cw C3 H3 w0 usable d_x d_y d_z. assert (V := over_least _ Cv). assert (W := under_most _ Cw w0).
+  intros Cv Cw C3 S3 H3 w0 usable d_x d_y d_z. assert (V := over_least _ Cv). assert (W := under_most _ Cw w0).
   destruct (over_3_least _ C3) as [V3 v30]. destruct h32_powers as [h0 hh]. destruct sums_in as [r0 [s0 s1]].
   destruct deltas_in as (x0 & y0 & z0). fold D_x in x0. fold D_y in y0. fold D_z in z0.
   replace (Q2R of_quotient) with (10085 / 10000) by (unfold Q2R, of_quotient; simpl; lra).
@@ -519,10 +571,14 @@ Proof.
   assert (Z1 : d_z * / n <= 1).
   { apply Rmult_le_reg_r with n; [exact Nz |]. rewrite Rmult_assoc, Rinv_l by lra. unfold G in G0. lra. }
   assert (Z2 : 0 <= d_z * / n) by (apply Rmult_le_pos; lra).
-  assert (q_is : d_z * q <= (1 + / 2 ^ 18) * (d_z * x quotient_3) + (1 + / 2 ^ 18) * (d_z * h) + 11 * (h * rho) + 3 * h).
+  assert (q_is : d_z * q <= (1 + / 2 ^ 18) * (d_z * x quotient_3) + (1 + / 2 ^ 18) * (d_z * h) + 11 * (h * rho) + 9 * h).
   { assert (K1 : v_3 * / n <= (1 + 2 * u) * (v_3 / w)).
     { assert (K := Rmult_le_compat_l v_3 _ _ v30 wN). unfold Rdiv. lra. }
-    apply between in H3. assert (K2 : v_3 * / n <= (1 + 2 * u) * (x quotient_3 + h)) by lra.
+    apply seen32_near, between in S3. assert (S := Rmult_le_compat_r (/ w) _ _ ltac:(lra) (proj1 S3)). fold (Rdiv s_3 w) in S.
+    assert (Zw : d_z * / w <= 5).
+    { apply Rmult_le_reg_r with w; [exact w0 |]. rewrite Rmult_assoc, Rinv_l by lra. unfold G in G0. lra. }
+    assert (hw := Rmult_le_compat_l h _ _ ltac:(lra) Zw).
+    apply between in H3. assert (K2 : v_3 * / n <= (1 + 2 * u) * (x quotient_3 + h + h * / w)) by (unfold Rdiv in *; lra).
     assert (K3 := Rmult_le_compat_r (/ n) _ _ ltac:(lra) V3).
     assert (K4 : (1 - / 2 ^ 21) * q <= v_3 * / n + (9 * (h * rho) + 2 * h) * / n) by (unfold q; lra).
     assert (K5 := Rmult_le_compat_l d_z _ _ dz0 K4). assert (K6 := Rmult_le_compat_l d_z _ _ dz0 K2).
@@ -551,57 +607,42 @@ Proof.
     { assert (K2 := Rmult_le_compat_r (/ w) _ _ ltac:(lra) v0). lra. }
     simpl in *. lra.
 Qed.
-End Plane.
-
-(* The heights of two planes: z through `a` with the normal n, as they are computed, and Z through A with the normal
-  m, the
-   real one, at points whose places relative to a and A, (P, Q) and (X, Y), are within E. *)
-Section Moved.
-Open Scope R_scope.
-Variables n_x n_y n_z m_x m_y m_z d_x d_y d_z P Q X Y a A rho E e : R.
-Hypotheses (near_x : Rabs (m_x - n_x) <= d_x) (near_y : Rabs (m_y - n_y) <= d_y) (near_z : Rabs (m_z - n_z) <= d_z).
-Hypotheses (X_in : Rabs X <= rho) (Y_in : Rabs Y <= rho) (P_in : Rabs P <= rho) (Q_in : Rabs Q <= rho).
-Hypotheses (X_near : Rabs (X - P) <= E) (Y_near : Rabs (Y - Q) <= E) (A_near : Rabs (A - a) <= e).
-Hypothesis steep : d_z < Rabs n_z.
-
-Theorem plane_moves :
-  Rabs ((A - (m_x * X + m_y * Y) / m_z) - (a + (- n_x / n_z * P + - n_y / n_z * Q))) <=
-  (d_x * rho + d_y * rho + d_z * ((Rabs n_x + Rabs n_y) * rho / Rabs n_z) + (Rabs n_x + Rabs n_y) * E) /
-  (Rabs n_z - d_z) + e.
+(* So the real plane at the real point, (X', Y') from the real a at height A, is within the margin's quotient and error_z of the
+   plane that N gives at the grid's point, (P, Q) from a: of_quotients has its slopes, whose quotients see n_x and n_y kept or
+   flushed (n_z is no denormal). *)
+Theorem plane_is_near v w v_3 s_3 s_x s_y X' Y' P Q A :
+  computes32 x n_x (x N_x) -> computes32 x n_y (x N_y) -> computes32 x n_z (x N_z) ->
+  computes32 x (over_of size_n) v -> computes32 x (under_of (Given N_z 0)) w ->
+  computes32 x (over_3_of size_n) v_3 -> seen32 v_3 s_3 -> Rabs (x quotient_3 - s_3 / w) <= h -> 0 < w ->
+  Rabs (x N_z) <= 5 * w -> seen32 (x N_x) s_x -> seen32 (x N_y) s_y ->
+  Rabs X' <= rho -> Rabs Y' <= rho -> Rabs P <= rho -> Rabs Q <= rho ->
+  Rabs (X' - P) <= reach_error -> Rabs (Y' - Q) <= reach_error -> Rabs (A - x a_z) <= x error_z ->
+  Rabs ((A - ((y1 * z2 - z1 * y2) * X' + (z1 * x2 - x1 * z2) * Y') / (x1 * y2 - y1 * x2)) -
+    (x a_z + (- s_x / x N_z * P + - s_y / x N_z * Q))) <= Q2R of_quotient * (v / w) + / 2 ^ 110 + x error_z.
 Proof.
-  assert (nonzero : n_z <> 0) by (intros ->; rewrite Rabs_R0 in steep; assert (S := Rabs_pos (m_z - 0)); lra).
-  assert (least : Rabs n_z - d_z <= Rabs m_z).
-  { assert (T := Rabs_triang_inv n_z (n_z - m_z)). replace (n_z - (n_z - m_z)) with m_z in T by ring.
-    rewrite Rabs_minus_sym in near_z. lra. }
-  assert (M : m_z <> 0) by (intros ->; rewrite Rabs_R0 in least; lra).
-  set (T := (n_x * P + n_y * Q) / n_z).
-  set (K := (m_x - n_x) * X + ((m_y - n_y) * Y + ((n_x * (X - P) + n_y * (Y - Q)) + - ((m_z - n_z) * T)))).
-  replace ((A - (m_x * X + m_y * Y) / m_z) - (a + (- n_x / n_z * P + - n_y / n_z * Q))) with (- (K * / m_z) + (A - a))
-    by (unfold K, T; field; auto).
-  eapply Rle_trans; [apply Rabs_triang |]. apply Rplus_le_compat; [| assumption].
-  rewrite Rabs_Ropp, Rabs_mult, Rabs_inv. unfold Rdiv.
-  assert (times : forall p q r s, Rabs p <= r -> Rabs q <= s -> Rabs (p * q) <= r * s).
-  { intros. rewrite Rabs_mult. apply Rmult_le_compat; auto using Rabs_pos. }
-  assert (T_in : Rabs T <= (Rabs n_x + Rabs n_y) * rho * / Rabs n_z).
-  { unfold T, Rdiv. rewrite Rabs_mult, Rabs_inv. apply Rmult_le_compat_r.
-    - left. apply Rinv_0_lt_compat, Rabs_pos_lt, nonzero.
-    - eapply Rle_trans; [apply Rabs_triang |].
-      assert (G1 := times _ _ _ _ (Rle_refl (Rabs n_x)) P_in). assert (G2 := times _ _ _ _ (Rle_refl (Rabs n_y))
-        Q_in). lra. }
-  apply Rmult_le_compat; auto using Rabs_pos.
-  - left. apply Rinv_0_lt_compat, Rabs_pos_lt, M.
-  - unfold K.
-    assert (T1 := Rabs_triang ((m_x - n_x) * X) ((m_y - n_y) * Y + ((n_x * (X - P) + n_y * (Y - Q)) + - ((m_z - n_z) *
-      T)))).
-    assert (T2 := Rabs_triang ((m_y - n_y) * Y) ((n_x * (X - P) + n_y * (Y - Q)) + - ((m_z - n_z) * T))).
-    assert (T3 := Rabs_triang (n_x * (X - P) + n_y * (Y - Q)) (- ((m_z - n_z) * T))). rewrite Rabs_Ropp in T3.
-    assert (T4 := Rabs_triang (n_x * (X - P)) (n_y * (Y - Q))).
-    assert (G1 := times _ _ _ _ near_x X_in). assert (G2 := times _ _ _ _ near_y Y_in).
-    assert (G3 := times _ _ _ _ near_z T_in). assert (G4 := times _ _ _ _ (Rle_refl (Rabs n_x)) X_near).
-    assert (G5 := times _ _ _ _ (Rle_refl (Rabs n_y)) Y_near). lra.
-  - apply Rinv_le_contravar; lra.
+  intros Cx Cy Cz Cv Cw C3 S3 H3 w0 usable Sx Sy HX HY HP HQ NX NY NA.
+  destruct (quotient_is_enough _ _ _ _ Cv Cw C3 S3 H3 w0 usable) as [steep enough].
+  apply n_x_near in Cx. apply n_y_near in Cy. apply n_z_near in Cz. fold D_x in Cx. fold D_y in Cy. fold D_z in Cz, steep, enough.
+  destruct h32_powers as [h0 hh]. destruct deltas_in as (x0 & y0 & z0). fold D_x in x0. fold D_y in y0. fold D_z in z0.
+  destruct sums_in as [r0 [s0 s1]].
+  assert (seen : forall p s m D, seen32 p s -> Rabs (m - p) <= (1 + / 300) * D ->
+    / 2 ^ 111 <= D -> Rabs (m - s) <= (1 + / 256) * D /\ Rabs s <= Rabs p).
+  { intros p s m D S M D0. split.
+    - apply seen32_near in S. apply between in S, M. apply Rabs_le. simpl in *. lra.
+    - destruct S as [-> | [_ ->]]; [lra | rewrite Rabs_R0; apply Rabs_pos]. }
+  destruct (seen _ _ _ _ Sx Cx x0) as [Mx Lx]. destruct (seen _ _ _ _ Sy Cy y0) as [My Ly].
+  simpl in h0, x0, y0, z0, s0. assert (Mz : Rabs (x1 * y2 - y1 * x2 - x N_z) <= (1 + / 256) * D_z) by lra.
+  eapply Rle_trans; [exact (plane_moves _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ Mx My Mz HX HY HP HQ NX NY NA steep) |].
+  apply Rplus_le_compat_r. eapply Rle_trans; [| exact enough].
+  assert (G := Rinv_0_lt_compat (Rabs (x N_z) - (1 + / 256) * D_z) ltac:(lra)).
+  assert (n0 : 0 < Rabs (x N_z)) by lra. assert (I := Rinv_0_lt_compat _ n0).
+  apply Rmult_le_compat_r; [lra |]. unfold Rdiv.
+  assert (sum : Rabs s_x + Rabs s_y <= N) by (unfold N; lra).
+  assert (K1 := Rmult_le_compat_r rho _ _ ltac:(lra) sum). assert (K2 := Rmult_le_compat_r (/ Rabs (x N_z)) _ _ ltac:(lra) K1).
+  assert (K3 := Rmult_le_compat_l ((1 + / 256) * D_z) _ _ ltac:(lra) K2).
+  assert (K4 := Rmult_le_compat_r reach_error _ _ ltac:(lra) sum). lra.
 Qed.
-End Moved.
+End Plane.
 
 (* What the margin multiplies with 1.01 has only positive terms, so that it is computed at least at this much of its size; its
    quotient has met 5 roundings more. *)
@@ -617,5 +658,5 @@ Proof. vm_compute. split; discriminate. Qed.
 Definition constants := Eval vm_compute in shown least_bound of_largest.
 Print constants.
 Definition checked := (rounding, of_quotients, margin_near, n_x_near, n_y_near, n_z_near, quotients_are, over_least, under_most,
-  quotient_is_enough, plane_moves, inflation_is_enough, kernel_is_enough).
+  quotient_is_enough, plane_moves, plane_is_near, inflation_is_enough, kernel_is_enough).
 Print Assumptions checked.
