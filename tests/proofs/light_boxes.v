@@ -9,8 +9,8 @@
    Assumed: D = S - P has no coordinate above `reach`, but for 6 u of it; for the box, whose part may stick out of
    the whole box, the coordinates of the four vectors add up to at most 3 reach (geometry: the lights of a part lie
    in the whole box); a quotient is off by 2.5 ulp; no input but the scale exceeds 2^24. Denormals may be kept or
-   flushed: BEAM_UNDERFLOW covers what that takes. A greater of two is at least both. Overflow: nothing exceeds
-   2^60. *)
+   flushed: BEAM_UNDERFLOW covers what that takes. A greater of two is at least both, or 2^-126 less where it
+   flushes one. Overflow: nothing exceeds 2^60. *)
 From Coq Require Import Reals QArith Qreals Lra Psatz.
 From Flocq Require Import Core.
 Require Import Roundings Devices Filters.
@@ -179,9 +179,9 @@ Proof.
   assert (E := Rmult_le_compat_r _ _ _ S A). apply between in C. lra.
 Qed.
 
-Hypotheses (a_is : forall v, computed x greater_2_one v -> v <= x greater_2).
-Hypotheses (f_is : forall v, computed x greater_3_one v -> v <= x greater_4).
+(* a' and f' are the sizes as they are computed: one of the results that their expressions may have. *)
 Variables a' f' : R.
+Hypotheses (a_is : a' <= x greater_2 + h32) (f_is : f' <= x greater_4 + h32).
 Hypotheses (greater_2_0 : 0 <= x greater_2 ) (greater_4_0 : 0 <= x greater_4).
 Hypotheses (greater_2_in : x greater_2 <= 67108864) (greater_4_in : x greater_4 <= 67108864).
 Hypotheses (a_computed : computed x greater_2_one a') (f_computed : computed x greater_3_one f').
@@ -190,13 +190,13 @@ Theorem bound_is_large b : computed x bound b -> 86 / 10 * u * (a * f * reach') 
 Proof.
   intros C. near_in (2 ^ 24)%Q rest bound C. rest_in C. assert (A := alpha_below 4 ltac:(lia)). simpl INR in A.
   assert (Sa := size_near _ _ _ _ _ _ _ a_computed). assert (Sf := size_near _ _ _ _ _ _ _ f_computed).
-  apply a_is in a_computed as Ga. apply f_is in f_computed as Gf. fold a in Sa. fold f in Sf.
+  assert (Ga := a_is). assert (Gf := f_is). assert (l := h32_below). simpl in l. fold a in Sa. fold f in Sf.
   assert (a0 : 0 <= a) by apply size0. assert (f0 : 0 <= f) by apply size0.
   assert (af : 0 <= a * f) by (apply Rmult_le_pos; lra).
-  assert (P : (1 - 301 / 100 * u) * a * ((1 - 301 / 100 * u) * f) - of_sizes' * 134217730 <= x greater_2 * x greater_4).
-  { assert (G1 := Rmult_le_compat_r (x greater_4 + of_sizes') ((1 - 301 / 100 * u) * a) (x greater_2 + of_sizes')
+  assert (P : (1 - 301 / 100 * u) * a * ((1 - 301 / 100 * u) * f) - of_sizes' * 150000000 <= x greater_2 * x greater_4).
+  { assert (G1 := Rmult_le_compat_r (x greater_4 + 11 / 10 * of_sizes') ((1 - 301 / 100 * u) * a) (x greater_2 + 11 / 10 * of_sizes')
     ltac:(lra) ltac:(lra)).
-    assert (G2 := Rmult_le_compat_l ((1 - 301 / 100 * u) * a) ((1 - 301 / 100 * u) * f) (x greater_4 + of_sizes')
+    assert (G2 := Rmult_le_compat_l ((1 - 301 / 100 * u) * a) ((1 - 301 / 100 * u) * f) (x greater_4 + 11 / 10 * of_sizes')
       ltac:(lra) ltac:(lra)). lra. }
   assert (Q := Rmult_le_compat_r reach' _ _ reach0 P).
   unfold bound in C. cbn -[u32 alpha Q2R] in C. fold reach' in C.
