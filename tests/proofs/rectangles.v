@@ -14,7 +14,8 @@
    to 2^40 (vertices from 1e12 on are out of range); under a direction `error` is 2^-24 at least. Denormals may be kept or
    flushed: what that takes is within the hundredth of `error`. A slack's own roundings take 12 u of the 1 %; the rest is
    needed by 8 u and 6 u, which are proved with .99 % of it. Orders that rounding keeps: a hull's least product is at most
-   each of them, its slack is made of the largest `size` and `nearest`. Overflow: an infinite slack gives no bound. *)
+   each of them, its slack is made of the largest `size` (2^-126 less than a product at most, where that is flushed) and of
+   the largest `nearest`. Overflow: an infinite slack gives no bound. *)
 From Coq Require Import Reals QArith Qreals Lra Lia Psatz.
 From Flocq Require Import Core.
 Require Import Roundings Devices Filters.
@@ -85,6 +86,10 @@ Definition by_w := Mul (Add (Const (1 # 1)) (Times (2 # 1) (Mul (Given error_w 0
   0).
 Definition in_front_of (i c : Q) :=
   Times i (Add (Mul (Add (Given error 0) (Mul (Given error_w 0) (Given size 0))) by_w) (Times c (Given size 0))).
+(* The product as it is computed, an input of the sides. *)
+Definition computed_product := 90%nat.
+Definition low_in_front_of value slack := Sub (Sub value slack) (Given point_error 0).
+Definition high_in_front_of value slack := Add (Add slack value) (Given point_error 0).
 Definition parallel_of (i c : Q) := Times i (Add (Given error 0) (Times c (Abs (Given h 0)))).
 Definition near_zero_of (i : Q) :=
   Times i (Add (Given error 0) (Mul (Add (Abs (Given w 0)) (Given error_w 0)) (Given reach 0))).
@@ -100,8 +105,7 @@ Lemma kernels_are :
     of_inverse /\
   low = Sub (Sub (Given quotient_1 0) slack) (Given point_error 0) /\
   high = Add (Add (Given quotient_1 0) slack) (Given point_error 0) /\
-  low_in_front = Sub (Sub product in_front) (Given point_error 0) /\
-  high_in_front = Add (Add in_front product) (Given point_error 0) /\
+  low_in_front = low_in_front_of product in_front /\ high_in_front = high_in_front_of product in_front /\
   low_parallel = Sub (Sub (Given h 0) (parallel_of inflation of_size)) (Given point_error 0) /\
   high_parallel = Add (Add (Given h 0) (parallel_of inflation of_size)) (Given point_error 0) /\
   below_zero = Add (Given h 0) (near_zero_of inflation) /\ above_zero = Sub (Given h 0) (near_zero_of inflation) /\
@@ -321,13 +325,16 @@ Proof.
   assert (B := between _ _ z_near). repeat split; lra.
 Qed.
 
-Hypotheses (size_is : forall y, computed x product y -> Rabs y <= x size) (nearest_is : z <= x nearest).
+(* y is the product as it is computed: one float in the sides and in `size`, the greatest of a hull's products. *)
+Let y := x computed_product.
+Hypotheses (y_is : computed x product y) (size_positive : 0 <= x size) (size_is : Rabs y <= x size + h32).
+Hypothesis nearest_is : z <= x nearest.
 (* `nearest` belongs to a vertex that is as certainly in front. *)
 Hypotheses (nearest_in : x nearest <= 2 ^ 90) (nearest_front : f * x nearest <= 51 / 100).
-Lemma in_front_is_enough s y : computed x (in_front_of i c) s -> computed x product y ->
+Lemma in_front_is_enough s : computed x (in_front_of i c) s ->
   exists P, 0 <= s /\ Rabs (y - H / W) <= P /\ P + 201 / 100 * u * (Rabs y + s) + few <= s.
 Proof.
-  intros Cs Cy. assert (y_in := size_is y Cy). assert (e1 := e0). assert (f1 := f0). destruct w_sizes as (w0 & w1 & w2).
+  intros Cs. assert (Cy := y_is). assert (y_in := size_is). assert (e1 := e0). assert (f1 := f0). destruct w_sizes as (w0 & w1 & w2).
   simpl in w1, w2. destruct h_is as [l ll]. simpl in l, ll. assert (f_is := f_least). assert (e_low := e_least). simpl in e_low. assert (m1 := nearest_in). simpl in f_is, m1.
   assert (I := Rinv_0_lt_compat _ w0). destruct t_in as [t0 t1]. destruct z_in as (z0 & z1 & z2). assert (y0 :=
     Rabs_pos y). assert (z_b := z_near).
@@ -366,7 +373,8 @@ Proof.
     lra. }
   assert (T3 := Rabs_triang_inv Q (Q - y)). replace (Q - (Q - y)) with y in T3 by ring. rewrite (Rabs_minus_sym Q) in
     T3.
-  set (S := x size) in *. assert (S0 : 0 <= S) by lra. assert (Q1 : Rabs Q <= (1 + 603 / 100 * u) * S + / 990 * (e * J)) by lra.
+  set (S := x size) in *. assert (S0 : 0 <= S) by exact size_positive.
+  assert (Q1 : Rabs Q <= (1 + 603 / 100 * u) * S + / 990 * (e * J)) by lra.
   assert (Qr := Rmult_le_compat_r r _ _ r0 Q1). assert (eJr := Rmult_le_compat_l (e * J) _ _ ltac:(lra) r1). assert (Sr : 0 <= S * r) by (now apply Rmult_le_pos).
   assert (Sr1 : S * r <= S) by (assert (K := Rmult_le_compat_l _ _ _ S0 r1); lra).
   assert (eJ : 0 <= e * J) by (apply Rmult_le_pos; lra).
@@ -468,19 +476,19 @@ Proof.
   - assert (T2 := Rabs_triang (y - Q) (Q - H / W)). replace (y - Q + (Q - H / W)) with (y - H / W) in T2 by ring. lra.
   - lra.
 Qed.
-Theorem low_side_in_front v : computed x (Sub (Sub product (in_front_of i c)) (Given point_error 0)) v -> v <= H / W
-  - E.
+Theorem low_side_in_front v :
+  computed x (low_in_front_of (Given computed_product 0) (in_front_of i c)) v -> v <= H / W - E.
 Proof.
   intros C. destruct (step32_sub _ _ _ _ C) as (v1 & p1 & C1 & C2 & R2). apply given32_is in C2. subst p1.
-  destruct (step32_sub _ _ _ _ C1) as (y & s & C3 & C4 & R1).
-  destruct (in_front_is_enough s y C4 C3) as (P & s0 & A & B). eapply moved_down; eassumption.
+  destruct (step32_sub _ _ _ _ C1) as (y1 & s & C3 & C4 & R1). apply given32_is in C3. subst y1.
+  destruct (in_front_is_enough s C4) as (P & s0 & A & B). eapply moved_down; eassumption.
 Qed.
-Theorem high_side_in_front v : computed x (Add (Add (in_front_of i c) product) (Given point_error 0)) v -> H / W + E
-  <= v.
+Theorem high_side_in_front v :
+  computed x (high_in_front_of (Given computed_product 0) (in_front_of i c)) v -> H / W + E <= v.
 Proof.
   intros C. destruct (step32_add _ _ _ _ C) as (v1 & p1 & C1 & C2 & R2). apply given32_is in C2. subst p1.
-  destruct (step32_add _ _ _ _ C1) as (s & y & C4 & C3 & R1). rewrite (Rplus_comm s) in R1.
-  destruct (in_front_is_enough s y C4 C3) as (P & s0 & A & B). eapply moved_up; eassumption.
+  destruct (step32_add _ _ _ _ C1) as (s & y1 & C4 & C3 & R1). apply given32_is in C3. subst y1. rewrite (Rplus_comm s) in R1.
+  destruct (in_front_is_enough s C4) as (P & s0 & A & B). eapply moved_up; eassumption.
 Qed.
 
 (* ---- Heights ---- *)
