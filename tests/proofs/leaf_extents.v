@@ -7,9 +7,9 @@
 
    Assumed: the axis has unit length to 10^-4, so that its coordinates add up to at most 1.733; no coordinate of a
    corner or a point exceeds L; `rounding` is at least 0.9999 of BEAM_ROUNDING L + BEAM_ROUNDING_LEAST, and at most L + 1.
-   Denormals may be kept or flushed. A greater of two is at least both, and one of them; dot() rounds each product
-   and each sum, in any order. In prose: that the axis is not exactly perpendicular to D moves a coordinate by at
-   most 3 u L. Overflow: coordinates are at most 2^19. *)
+   Denormals may be kept or flushed. A greater of two is one of them and at least both, or 2^-126 less where it
+   flushes one; dot() rounds each product and each sum, in any order. In prose: that the axis is not exactly
+   perpendicular to D moves a coordinate by at most 3 u L. Overflow: coordinates are at most 2^19. *)
 From Coq Require Import Reals QArith Qreals Lra Psatz.
 From Flocq Require Import Core.
 Require Import Roundings Devices Filters.
@@ -125,16 +125,16 @@ Proof.
   assert (E := Rmult_le_compat _ _ _ _ (alpha_at_least 4) P0 A P). unfold along. lra.
 Qed.
 
-(* g is the greatest of the computed corners: at least that of A, and one of them. *)
+(* c_A is the computed corner A, one of the results that its expression may have; g is the greatest of the computed
+   corners, each of which is as large as corner_near allows. *)
 Let g := x greater_2.
-Hypotheses (g_is : Rabs g <= 2 * (1734 / 1000) * L) (A_below_g : forall c, computed x corner c -> c <= g).
 Variable c_A : R.
-Hypothesis c_A_is : computed x corner c_A.
+Hypotheses (g_is : Rabs g <= 2 * (1734 / 1000) * L + tiny') (c_A_is : computed x corner c_A) (A_below_g : c_A <= g + h32).
 Theorem triangle_near t : computed x triangle_high t ->
   along (x A_x) (x A_y) (x A_z) - 244 / 10 * u * L - 3 * tiny' <= t.
 Proof.
   intros C. assert (l0 := L0). destruct axes_in as (ax & ay & az). unfold a_x, a_y, a_z in ax, ay, az. assert (N :=
-    corner_near _ c_A_is). assert (G := A_below_g _ c_A_is).
+    corner_near _ c_A_is). assert (G := A_below_g).
   destruct (step32_add _ _ _ _ C) as (o & h & Co & Ch & S). apply given32_is in Ch. subst h. fold g in S.
   apply (near_at_size x caps gaps L (line tiny tiny)) in Co;
     [ | exact l0 | vm_compute; reflexivity | unfold within in *; within_sizes ].
