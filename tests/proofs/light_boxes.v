@@ -267,7 +267,8 @@ Proof. repeat split; apply Rplus_le_le_0_compat; apply Rmult_le_pos; apply Rabs_
 (* The greatest of the normal's sizes, of which greater_6 is the computed one: 4 roundings. *)
 Variable n : R.
 Hypotheses (M_x_in : M_x <= n) (M_y_in : M_y <= n) (M_z_in : M_z <= n).
-Hypotheses (n_is : (1 - 401 / 100 * u) * n <= x greater_6).
+(* Underflow takes less than 2^-90 of it; the scale's least term, 2^-64, has room for that. *)
+Hypotheses (n_is : (1 - 401 / 100 * u) * n - / 2 ^ 90 <= x greater_6) (greater_6_0 : 0 <= x greater_6).
 Let q := x quotient_1.
 Hypothesis q0 : 0 <= q.
 (* What PLANE_BOUNDS BEAM_BOUND is multiplied with, times the scale. *)
@@ -288,7 +289,7 @@ Proof.
   unfold quotient_1_under, greater_2_one in C. cbn -[u32 alpha Q2R] in C. fold reach' in C.
   rewrite !(Rabs_pos_eq (Q2R _)) in C by (unfold Q2R; simpl; lra).
   rewrite (Rabs_pos_eq reach') in C by lra. assert (a0 : 0 <= a) by apply size0. assert (n0 := n0).
-  assert (g0 : 0 <= x greater_6) by lra. rewrite (Rabs_pos_eq (x greater_6)) in C by lra.
+  assert (g0 := greater_6_0). rewrite (Rabs_pos_eq (x greater_6)) in C by lra.
   replace (Rabs (x A_z - x P_z) + (Rabs (x A_x - x P_x) + Rabs (x A_y - x P_y))) with a in C by (unfold a, size; ring).
   replace (Q2R (3 # 2)) with (3 / 2) in C by (unfold Q2R; simpl; lra).
   replace (Q2R (3 # 1)) with 3 in C by (unfold Q2R; simpl; lra).
@@ -296,8 +297,10 @@ Proof.
   set (T := Q2R (1 # 18446744073709551616)) in *. assert (T0 : T = / 18446744073709551616) by (unfold T, Q2R; simpl;
     lra).
   set (Y := (a + 3 * reach') * x greater_6). assert (Y0 : 0 <= Y) by (apply Rmult_le_pos; lra).
-  assert (Y1 : (1 - 401 / 100 * u) * (n * (a + 3 * reach')) <= Y).
-  { unfold Y. assert (G := Rmult_le_compat_r (a + 3 * reach') _ _ ltac:(lra) n_is). lra. }
+  assert (Y1 : (1 - 401 / 100 * u) * (n * (a + 3 * reach')) - / 2 ^ 62 <= Y).
+  { unfold Y. assert (G := Rmult_le_compat_r (a + 3 * reach') _ _ ltac:(lra) n_is).
+    assert (a + 3 * reach' <= 2 ^ 28) by (simpl; lra).
+    simpl in *. lra. }
   replace (3 / 2 * (a + 3 * reach') * (9147937 / 17592186044416 * x greater_6)) with (3 / 2 * (9147937 / 17592186044416)
     * Y) in C
     by (unfold Y; ring).
