@@ -42,7 +42,7 @@ __kernel void scan_chunks(uint count, __global uint* chunk_sums, __global uint* 
     uint item = (uint)get_local_id(0), items = (uint)get_local_size(0);
     uint2 run = run_of_item(0u, chunk_count_of(count));
     scan_group(sum_of_run(chunk_sums, run), sums);
-    uint before = item == 0u ? 0u : sums[item - 1u];
+    uint before = sum_before(sums, item);
     if (item == items - 1u) offsets[count] = sums[item];
     for (uint i = run.x; i < run.y; ++i) {
         uint sum = chunk_sums[i];
@@ -53,11 +53,10 @@ __kernel void scan_chunks(uint count, __global uint* chunk_sums, __global uint* 
 
 __kernel void scan_offsets(uint count, __global const uint* counts, __global const uint* chunk_sums,
                            __global uint* offsets, __local uint* sums) {
-    uint item = (uint)get_local_id(0);
     FOR_EACH_CHUNK(chunk, count) {
         uint2 run = run_of_item(chunk * SCAN_CHUNK, counts_in_chunk(count, chunk));
         scan_group(sum_of_run(counts, run), sums);
-        uint before = add_sat(chunk_sums[chunk], item == 0u ? 0u : sums[item - 1u]);
+        uint before = add_sat(chunk_sums[chunk], sum_before(sums, (uint)get_local_id(0)));
         for (uint i = run.x; i < run.y; ++i) {
             offsets[i] = before;
             before = add_sat(before, counts[i]);

@@ -93,7 +93,8 @@ typedef struct IzbTrace {
     __global const TriangleRecord* records;
     __global const TriangleBounds* bounds;
     __global uint* visibility_bits;
-    uint by_trace, by_exact, tests;  // the item's counts
+    uint by_trace, by_exact;  // the item's counts
+    ulong tests;
 } IzbTrace;
 
 // Tests the triangle of a record against the points of the slots [slot, end). Several items may put one point into
@@ -228,14 +229,13 @@ __kernel void izb_trace(const IzbParams params, __global const float* positions,
                       triangle_pairs,
                       records,
                       bounds,
-                      visibility_bits,
-                      0u,
-                      0u,
-                      0u};
+                      visibility_bits};
     trace_pairs(&trace, GN_SHARED_RANGE(counters->references == GN_NO_LISTS ? 0u : counters->pairs),
                 (WaitingPairs){texels, ends});
     add_in_group(trace.by_trace, &sum, &counters->decided_by_trace);
     add_in_group(trace.by_exact, &sum, &counters->decided_by_exact);
-    count_tests((ulong)sum_of_group(trace.tests, &sum) * GN_LANES, counters);
+    // In two words, so that neither sum overflows.
+    uint low = sum_of_group((uint)trace.tests & 0xFFFFu, &sum), high = sum_of_group((uint)(trace.tests >> 16), &sum);
+    count_tests((low + ((ulong)high << 16)) * GN_LANES, counters);
     GN_END_SHARES;
 }
