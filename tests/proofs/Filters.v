@@ -962,3 +962,14 @@ Proof. unfold alpha. replace u32 with (/ 16777216) by (unfold u32; simpl; lra). 
 
 (* For the table: numerators and denominators of the least constant and of the kernel's. *)
 Definition shown (least kernel : Q) := (Qnum least, QDen least, Qnum kernel, QDen kernel).
+
+(* A product of two numbers that are off by e and f. *)
+Lemma product_moves p q p' q' e f :
+  Rabs (p' - p) <= e -> Rabs (q' - q) <= f -> Rabs (p' * q' - p * q) <= Rabs p * f + Rabs q * e + e * f.
+Proof.
+  intros Hp Hq. replace (p' * q' - p * q) with ((p' - p) * (q' - q) + (p * (q' - q) + q * (p' - p))) by ring.
+  assert (T := Rabs_triang ((p' - p) * (q' - q)) (p * (q' - q) + q * (p' - p))).
+  assert (U := Rabs_triang (p * (q' - q)) (q * (p' - p))). rewrite !Rabs_mult in *.
+  assert (A := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) Hp Hq).
+  assert (B := Rmult_le_compat_l _ _ _ (Rabs_pos p) Hq). assert (C := Rmult_le_compat_l _ _ _ (Rabs_pos q) Hp). lra.
+Qed.

@@ -282,16 +282,6 @@ Definition n_x := match quotient_1_over with Neg n => n | _ => Const 0 end.
 Definition n_y := match quotient_2_over with Neg n => n | _ => Const 0 end.
 Definition n_z := quotient_1_under.
 
-Lemma product_moves p q p' q' e f :
-  Rabs (p' - p) <= e -> Rabs (q' - q) <= f -> Rabs (p' * q' - p * q) <= Rabs p * f + Rabs q * e + e * f.
-Proof.
-  intros Hp Hq. replace (p' * q' - p * q) with ((p' - p) * (q' - q) + (p * (q' - q) + q * (p' - p))) by ring.
-  assert (T := Rabs_triang ((p' - p) * (q' - q)) (p * (q' - q) + q * (p' - p))).
-  assert (U := Rabs_triang (p * (q' - q)) (q * (p' - p))). rewrite !Rabs_mult in *.
-  assert (A := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) Hp Hq).
-  assert (B := Rmult_le_compat_l _ _ _ (Rabs_pos p) Hq). assert (C := Rmult_le_compat_l _ _ _ (Rabs_pos q) Hp). lra.
-Qed.
-
 (* The real sides, (x1, y1, z1) and (x2, y2, z2), whose corners are off by `error` and `error_z`. *)
 Variables x1 y1 z1 x2 y2 z2 : R.
 Let e := 2 * x error.

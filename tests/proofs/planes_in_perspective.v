@@ -446,15 +446,6 @@ Hypotheses (y1_near : near Y1 (x b_y - x a_y) (2 * E)) (y2_near : near Y2 (x c_y
 Hypotheses (w1_near : near W1 (x b_z - x a_z) (2 * F)) (w2_near : near W2 (x c_z - x a_z) (2 * F)).
 Hypotheses (a_x_near : near A_x (x a_x) E) (a_y_near : near A_y (x a_y) E) (a_w_near : near A_w (x a_z) F).
 
-Lemma product_moves p q p' q' e f :
-  Rabs (p' - p) <= e -> Rabs (q' - q) <= f -> Rabs (p' * q' - p * q) <= Rabs p * f + Rabs q * e + e * f.
-Proof.
-  intros Hp Hq. replace (p' * q' - p * q) with ((p' - p) * (q' - q) + (p * (q' - q) + q * (p' - p))) by ring.
-  assert (T := Rabs_triang ((p' - p) * (q' - q)) (p * (q' - q) + q * (p' - p))).
-  assert (U := Rabs_triang (p * (q' - q)) (q * (p' - p))). rewrite !Rabs_mult in *.
-  assert (A := Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) Hp Hq).
-  assert (B := Rmult_le_compat_l _ _ _ (Rabs_pos p) Hq). assert (C := Rmult_le_compat_l _ _ _ (Rabs_pos q) Hp). lra.
-Qed.
 Ltac moved N1 N2 N3 N4 C e :=
   assert (A := product_moves _ _ _ _ _ _ N1 N2); assert (B := product_moves _ _ _ _ _ _ N3 N4);
   destruct sides0 as (p1 & p2 & p3 & p4 & p5 & p6); destruct h32_powers as [h0 hh]; assert (T := taken_of_sides);
