@@ -1,11 +1,32 @@
 // SPDX-License-Identifier: MIT
 #include "lists/sort.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "kernels/lists/sort.h"
 
 namespace gnomon {
+namespace {
+
+// A GPU's local memory holds a chunk twice, and counts of this number of items at most.
+constexpr std::size_t most_items = 128;
+
+// On a CPU a work-item takes a chunk, on a GPU a work-group.
+cl::Range range_of(const cl::Session& session, std::size_t chunks) {
+    if (session.is_cpu()) return cl::Range::items(chunks);
+    return cl::Range::groups(std::min(chunks, session.many_groups()),
+                             std::min(session.work_group_size(), most_items));
+}
+
+// The words of local memory that sort_scatter needs.
+std::size_t local_words(const cl::Session& session) {
+    if (session.is_cpu()) return 1;
+    const std::size_t items = std::min(session.work_group_size(), most_items);
+    return 2 * sort_chunk(false) + SORT_DIGITS + (SORT_HALVES + 1) * items;
+}
+
+}  // namespace
 
 void Sort::run(cl::Session& session, std::uint32_t count, cl::Buffer& keys, cl::Buffer& values, std::uint32_t bits) {
     const std::uint32_t chunk = sort_chunk(session.is_cpu()), chunks = (count + chunk - 1) / chunk;
@@ -15,12 +36,14 @@ void Sort::run(cl::Session& session, std::uint32_t count, cl::Buffer& keys, cl::
     slots_.reserve(session, (counters + 1) * sizeof(cl_uint));
     other_keys_.reserve(session, keys.bytes());
     other_values_.reserve(session, values.bytes());
+    const cl::Range range = range_of(session, chunks);
+    const cl::LocalBytes of_digits{SORT_DIGITS * sizeof(cl_uint)}, memory{local_words(session) * sizeof(cl_uint)};
     for (cl_uint shift = 0; shift < bits; shift += SORT_DIGIT_BITS) {
         const SortParams params{.count = count, .shift = shift};
-        session.launch("lists/sort.cl", "sort_count", cl::Range::items(chunks), params, keys, counts_);
+        session.launch("lists/sort.cl", "sort_count", range, params, keys, counts_, of_digits);
         scan_.run(session, counters, counts_, slots_);
-        session.launch("lists/sort.cl", "sort_scatter", cl::Range::items(chunks), params, keys, values, slots_,
-                       other_keys_, other_values_);
+        session.launch("lists/sort.cl", "sort_scatter", range, params, keys, values, slots_, other_keys_, other_values_,
+                       memory);
         std::swap(keys, other_keys_);
         std::swap(values, other_values_);
     }

@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: MIT
 // A pass of the sort (sort.h) by one digit. sort_count counts each digit in each chunk of SORT_CHUNK keys. Prefix sums
 // over the counts (scan.cl), by digit and within a digit by chunk, give the slots. sort_scatter writes every key to its
-// slot. Each chunk belongs to one work-item, whatever the size of work-groups, so the order of equal keys depends only
-// on the chunks.
+// slot. The order of equal keys depends only on the chunks, whatever the size of work-groups.
 #include "lists/sort.h"
 
-static uint digit_of(uint key, uint shift) { return (key >> shift) & (SORT_DIGITS - 1u); }
+#include "lists/group_scan.clh"
 
-__kernel void sort_count(SortParams params, __global const uint* keys, __global uint* counts) {
-    uint count = params.count, chunks = (count + SORT_CHUNK - 1u) / SORT_CHUNK;
+static uint digit_of(uint key, uint shift) { return (key >> shift) & (SORT_DIGITS - 1u); }
+static uint chunk_count_of(uint count) { return (count + SORT_CHUNK - 1u) / SORT_CHUNK; }
+
+#ifdef GN_CPU
+// `of_digits` and `memory` are a GPU's.
+__kernel void sort_count(SortParams params, __global const uint* keys, __global uint* counts, __local uint* of_digits) {
+    uint count = params.count, chunks = chunk_count_of(count);
     GN_FOR_EACH(chunk, chunks) {
         uint mine[SORT_DIGITS];
         for (uint digit = 0; digit < SORT_DIGITS; ++digit) mine[digit] = 0u;
@@ -19,8 +23,9 @@ __kernel void sort_count(SortParams params, __global const uint* keys, __global 
 }
 
 __kernel void sort_scatter(SortParams params, __global const uint* keys, __global const uint* values,
-                           __global const uint* slots, __global uint* sorted_keys, __global uint* sorted_values) {
-    uint count = params.count, chunks = (count + SORT_CHUNK - 1u) / SORT_CHUNK;
+                           __global const uint* slots, __global uint* sorted_keys, __global uint* sorted_values,
+                           __local uint* memory) {
+    uint count = params.count, chunks = chunk_count_of(count);
     GN_FOR_EACH(chunk, chunks) {
         uint next[SORT_DIGITS];
         for (uint digit = 0; digit < SORT_DIGITS; ++digit) next[digit] = slots[digit * chunks + (uint)chunk];
@@ -32,3 +37,92 @@ __kernel void sort_scatter(SortParams params, __global const uint* keys, __globa
         }
     }
 }
+#else
+#define FOR_EACH_CHUNK(chunk, chunks) \
+    for (uint chunk = (uint)get_group_id(0); chunk < (chunks); chunk += (uint)get_num_groups(0))
+#define FOR_EACH_OF_GROUP(i, count) \
+    for (uint i = (uint)get_local_id(0); i < (count); i += (uint)get_local_size(0))
+
+// of_digits: SORT_DIGITS words.
+__kernel void sort_count(SortParams params, __global const uint* keys, __global uint* counts, __local uint* of_digits) {
+    uint count = params.count, chunks = chunk_count_of(count);
+    FOR_EACH_CHUNK(chunk, chunks) {
+        uint first = chunk * SORT_CHUNK;
+        FOR_EACH_OF_GROUP(digit, SORT_DIGITS) of_digits[digit] = 0u;
+        barrier(CLK_LOCAL_MEM_FENCE);
+        FOR_EACH_OF_GROUP(i, min(SORT_CHUNK, count - first))
+            atomic_inc(&of_digits[digit_of(keys[first + i], params.shift)]);
+        barrier(CLK_LOCAL_MEM_FENCE);
+        FOR_EACH_OF_GROUP(digit, SORT_DIGITS) counts[digit * chunks + chunk] = of_digits[digit];
+        barrier(CLK_LOCAL_MEM_FENCE);
+    }
+}
+
+// A key of a chunk: its digit << 16 | its index in the chunk.
+#define INDEX_OF_ENTRY 0xFFFFu
+#define DIGIT_OF_ENTRY 16u
+
+// Counts the entries of each item's run by half of their digits, then makes the counts the entries' slots: an item's
+// counts stand `items` words apart, so that the sums over all words are by half digit, and within one by item.
+static void find_slots(__local const uint* entries, uint2 run, uint shift, __local uint* slots, __local uint* sums) {
+    uint item = (uint)get_local_id(0), items = (uint)get_local_size(0), sum = 0u;
+    for (uint k = 0; k < SORT_HALVES; ++k) slots[k * items + item] = 0u;
+    for (uint i = run.x; i < run.y; ++i) ++slots[((entries[i] >> shift) & (SORT_HALVES - 1u)) * items + item];
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (uint k = 0; k < SORT_HALVES; ++k) sum += slots[item * SORT_HALVES + k];
+    scan_group(sum, sums);
+    uint before = sum_before(sums, item);
+    for (uint k = 0; k < SORT_HALVES; ++k) {
+        uint mine = slots[item * SORT_HALVES + k];
+        slots[item * SORT_HALVES + k] = before;
+        before += mine;
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+}
+
+// Sorts the entries by half of their digits.
+static void sort_by_half(__local const uint* entries, uint count, uint shift, __local uint* sorted, __local uint* slots,
+                         __local uint* sums) {
+    uint item = (uint)get_local_id(0), items = (uint)get_local_size(0), length = (count + items - 1u) / items;
+    uint2 run = (uint2)(min(item * length, count), min((item + 1u) * length, count));
+    find_slots(entries, run, shift, slots, sums);
+    for (uint i = run.x; i < run.y; ++i) {
+        uint entry = entries[i];
+        sorted[slots[((entry >> shift) & (SORT_HALVES - 1u)) * items + item]++] = entry;
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+}
+
+// memory: SORT_CHUNK words twice, SORT_DIGITS words, and SORT_HALVES + 1 for each item.
+__kernel void sort_scatter(SortParams params, __global const uint* keys, __global const uint* values,
+                           __global const uint* slots, __global uint* sorted_keys, __global uint* sorted_values,
+                           __local uint* memory) {
+    uint count = params.count, chunks = chunk_count_of(count);
+    __local uint* entries = memory;
+    __local uint* half_sorted = entries + SORT_CHUNK;
+    __local uint* first_of_digit = half_sorted + SORT_CHUNK;
+    __local uint* sums = first_of_digit + SORT_DIGITS;
+    __local uint* slots_of_halves = sums + get_local_size(0);
+    FOR_EACH_CHUNK(chunk, chunks) {
+        uint first = chunk * SORT_CHUNK, in_chunk = min(SORT_CHUNK, count - first);
+        FOR_EACH_OF_GROUP(i, in_chunk)
+            entries[i] = digit_of(keys[first + i], params.shift) << DIGIT_OF_ENTRY | i;
+        barrier(CLK_LOCAL_MEM_FENCE);
+        sort_by_half(entries, in_chunk, DIGIT_OF_ENTRY, half_sorted, slots_of_halves, sums);
+        sort_by_half(half_sorted, in_chunk, DIGIT_OF_ENTRY + SORT_HALF_BITS, entries, slots_of_halves, sums);
+        FOR_EACH_OF_GROUP(i, in_chunk) {
+            uint digit = entries[i] >> DIGIT_OF_ENTRY;
+            bool is_first = i == 0u || entries[i - 1u] >> DIGIT_OF_ENTRY != digit;
+            if (is_first) first_of_digit[digit] = i;
+        }
+        barrier(CLK_LOCAL_MEM_FENCE);
+        FOR_EACH_OF_GROUP(i, in_chunk) {
+            uint digit = entries[i] >> DIGIT_OF_ENTRY, from = first + (entries[i] & INDEX_OF_ENTRY);
+            uint slot = slots[digit * chunks + chunk] + (i - first_of_digit[digit]);
+            sorted_keys[slot] = keys[from];
+            sorted_values[slot] = values[from];
+        }
+        barrier(CLK_LOCAL_MEM_FENCE);
+    }
+}
+#endif

@@ -7,16 +7,19 @@
 
 #define SORT_DIGIT_BITS 8u
 #define SORT_DIGITS 256u
+// A GPU's work-group sorts a chunk by half a digit at a time.
+#define SORT_HALF_BITS 4u
+#define SORT_HALVES 16u
 
-// The number of keys of a chunk, which one work-item sorts: a CPU is faster with long chunks, a GPU with many.
+// The number of keys of a chunk, which on a CPU one work-item sorts, and on a GPU a work-group.
 #ifdef __cplusplus
 namespace gnomon {
-constexpr uint sort_chunk(bool is_cpu) { return is_cpu ? 4096 : 512; }
+constexpr uint sort_chunk(bool is_cpu) { return is_cpu ? 4096 : 2048; }
 }  // namespace gnomon
 #elif defined(GN_CPU)
 #define SORT_CHUNK 4096u
 #else
-#define SORT_CHUNK 512u
+#define SORT_CHUNK 2048u
 #endif
 
 GN_STRUCT_BEGIN(SortParams)

@@ -47,30 +47,36 @@ Words random_keys(std::size_t count, std::uint32_t mask, std::uint64_t seed) {
     return keys;
 }
 
-/// Sizes around the chunks that work-items take (4096 on a CPU, 512 on a GPU).
-constexpr std::size_t SIZES[] = {1, 2, 511, 512, 513, 4095, 4096, 4097, 100000};
+/// Sizes around the chunks (4096 keys on a CPU, 2048 on a GPU).
+constexpr std::size_t SIZES[] = {1, 2, 127, 130, 2047, 2048, 2049, 4095, 4096, 4097, 100000};
 
 // Not vacuous: under the narrow masks most keys have equals, hundreds of them in other chunks.
 TEST(Sort, EqualsReference) {
-    const gnomon::Device device = device_with();
-    gnomon::Sort stage;
-    for (const std::size_t size : SIZES)
-        for (const std::uint32_t mask : {0xFFFFFFFFu, 0x000000FFu, 0x80000100u, 0u}) {
-            SCOPED_TRACE(std::to_string(size) + " keys under the mask " + std::to_string(mask));
-            const Words keys = random_keys(size, mask, size + mask);
-            EXPECT_TRUE(sort(device, stage, keys) == reference_sort(keys));
-        }
+    for (const bool gpu_kernels : {false, true}) {
+        const gnomon::Device device = device_of(gpu_kernels);
+        gnomon::Sort stage;
+        for (const std::size_t size : SIZES)
+            for (const std::uint32_t mask : {0xFFFFFFFFu, 0x000000FFu, 0x80000100u, 0u}) {
+                SCOPED_TRACE(std::to_string(size) + " keys under the mask " + std::to_string(mask));
+                const Words keys = random_keys(size, mask, size + mask);
+                EXPECT_TRUE(sort(device, stage, keys) == reference_sort(keys));
+            }
+    }
 }
 
 TEST(Sort, ShapeFree) {
     const Words keys = random_keys(30000, 0xF00F00FFu, 5);
     const Sorted wanted = reference_sort(keys);
-    for (const std::uint32_t group : WORK_GROUP_SIZES) {
-        SCOPED_TRACE("work-groups of " + std::to_string(group));
-        const gnomon::Device device = device_with(group);
+    const auto expect_sorted = [&](std::uint32_t group, bool gpu_kernels) {
+        SCOPED_TRACE("work-groups of " + std::to_string(group) + (gpu_kernels ? ", a GPU's kernels" : ""));
+        gnomon::DeviceOptions options;
+        options.work_group_size = group;
+        options.gpu_kernels = gpu_kernels;
         gnomon::Sort stage;
-        EXPECT_TRUE(sort(device, stage, keys) == wanted);
-    }
+        EXPECT_TRUE(sort(gnomon::Device({}, options), stage, keys) == wanted);
+    };
+    for (const std::uint32_t group : WORK_GROUP_SIZES) expect_sorted(group, false);
+    for (const std::uint32_t group : FEW_WORK_GROUP_SIZES) expect_sorted(group, true);
 }
 
 TEST(Sort, NothingInNothingOut) {
