@@ -64,7 +64,7 @@ gnomon_wing(samples samples fragments pixel_masks_gpu samples_masks_gpu open_sam
 # The BVH: tables of many lights.
 gnomon_wing(lights lights light_bundle light_bundles position_bundles light_sides light_sums point_order many_lights
             lights_method)
-gnomon_wing(horizons height_field strip_triangle strip_walk horizons raster sweeps)
+gnomon_wing(horizons height_field strip_triangle strip_walk horizons raster sweep_rays sweeps)
 gnomon_wing(bvh binary_tree wide_bvh)
 gnomon_wing(beams beam beam_lanes beam_sides point_light_planes beam_intersect beam_walk point_beam)
 gnomon_wing(packets parallel_packets converging_packets ray_packets)

@@ -26,29 +26,34 @@ bool has_two_places(const std::array<float, 9>& triangle, std::uint32_t axis) {
     return (a == b) + (b == c) + (c == a) == 1;
 }
 
-// The numbers of squares along both axes, whose product is `squares`; 0 if there are none near the wanted ones.
-std::uint32_t columns_near(double wanted_columns, double wanted_rows, std::uint32_t squares) {
+// At most three of four squares are holes: else a raster takes much more memory than its triangles.
+constexpr std::size_t squares_of_one = 4;
+
+// The numbers of squares along both axes, near the wanted ones: those whose product is `squares` if there are some.
+std::array<std::uint32_t, 2> sides_near(double wanted_columns, double wanted_rows, std::uint32_t squares) {
     const auto near = static_cast<std::int64_t>(std::llround(wanted_columns));
     for (const std::int64_t away : {0, 1, -1, 2, -2}) {
         const std::int64_t columns = near + away;
         if (columns < 1 || squares % columns != 0) continue;
-        if (std::abs(double(squares) / double(columns) - wanted_rows) < 2.5) return static_cast<std::uint32_t>(columns);
+        const std::uint32_t rows = squares / static_cast<std::uint32_t>(columns);
+        if (std::abs(rows - wanted_rows) < 2.5) return {static_cast<std::uint32_t>(columns), rows};
     }
-    return 0;
+    return {static_cast<std::uint32_t>(near), static_cast<std::uint32_t>(std::llround(wanted_rows))};
 }
 
 }  // namespace
 
 BuiltRaster::BuiltRaster(const Device& device, const Triangles& triangles) : device_(device), triangles_(triangles) {
-    if (triangles.count() < 2 || triangles.count() % 2 != 0 || has_cut_outs(triangles)) return;
+    if (triangles.count() < 2 || has_cut_outs(triangles)) return;
     params_.triangles = triangle_inputs(triangles);
     if (set_places() && find_vertices()) measure();
     if (is_raster() && unevenness_ <= largest_unevenness) {
         copy_heights();
-        return;
+    } else {
+        diagonals_ = 0;
+        x_ = {}, y_ = {}, heights_ = {};
     }
-    diagonals_ = 0;
-    x_ = {}, y_ = {}, heights_ = {};
+    squares_ = {};
 }
 
 // Rows and columns, by the box of all triangles and the sides of the first one.
@@ -65,11 +70,11 @@ bool BuiltRaster::set_places() {
         const double height = box->high[axis] - box->low[axis];
         if (height >= flattest || !has_two_places(first, x) || !has_two_places(first, y)) continue;
         const double width = box->high[x] - box->low[x], depth = box->high[y] - box->low[y];
-        const std::uint32_t squares = params_.triangles.count / 2;
-        const std::uint32_t columns = columns_near(width / side_of(first, x), depth / side_of(first, y), squares);
-        if (columns == 0) continue;
-        const std::uint32_t rows = squares / columns;
-        if (std::max(columns, rows) >= MAX_RASTER_SIDE) continue;
+        const double wanted[2] = {width / side_of(first, x), depth / side_of(first, y)};
+        if (!(std::max(wanted[0], wanted[1]) < MAX_RASTER_SIDE - 2)) continue;
+        const auto [columns, rows] = sides_near(wanted[0], wanted[1], params_.triangles.count / 2);
+        const std::size_t squares = std::size_t(columns) * rows;
+        if (params_.triangles.count > 2 * squares || params_.triangles.count * squares_of_one < 2 * squares) continue;
         flattest = height;
         params_.axis = axis;
         params_.columns = columns + 1;
@@ -88,18 +93,23 @@ bool BuiltRaster::set_places() {
 bool BuiltRaster::find_vertices() {
     cl::Session& session = session_of(device_);
     const cl_mem vertices = triangle_inputs(triangles_).vertices;
-    x_.reserve(session, params_.columns * sizeof(float));
-    y_.reserve(session, params_.rows * sizeof(float));
-    heights_.reserve(session, vertex_count() * sizeof(float));
-    cl::Buffer squares, found;
-    session.reserve_filled(squares, 0, vertex_count() * sizeof(cl_uint));
+    constexpr cl_uint nan = 0xFFFFFFFFu;
+    session.reserve_filled(x_, nan, params_.columns * sizeof(float));
+    session.reserve_filled(y_, nan, params_.rows * sizeof(float));
+    session.reserve_filled(heights_, nan, vertex_count() * sizeof(float));
+    cl::Buffer found;
+    session.reserve_filled(squares_, 0, vertex_count() * sizeof(cl_uint));
     session.reserve_filled(found, 0, sizeof(cl_uint));
     session.launch(file, "raster_corners", cl::Range::items(3 * std::size_t(params_.triangles.count)), params_,
                    vertices, x_, y_, heights_);
     session.launch(file, "raster_check", cl::Range::items(params_.triangles.count), params_, vertices, x_, y_, heights_,
-                   squares, found);
+                   squares_, found);
     const auto what = session.read_value<cl_uint>(found);
     if (what == RASTER_RISES || what == RASTER_FALLS) diagonals_ = what;
+    const std::size_t squares = std::size_t(params_.columns - 1) * (params_.rows - 1);
+    copies_.has_holes = params_.triangles.count != 2 * squares ? 1 : 0;
+    if (is_raster() && copies_.has_holes != 0)
+        session.launch(file, "raster_fill", cl::Range::items(params_.columns), params_, heights_);
     return is_raster();
 }
 
@@ -110,7 +120,8 @@ void BuiltRaster::measure() {
         const auto places = session.read_values<float>((c == 0 ? x_ : y_).get(), counts[c]);
         for (std::size_t i = 0; i < places.size(); ++i) {
             const double even = params_.corner[c] + double(i) * spacing_[c];
-            unevenness_ = std::max(unevenness_, std::abs(places[i] - even) / spacing_[c]);
+            const double away = std::abs(places[i] - even) / spacing_[c];
+            unevenness_ = std::max(unevenness_, std::isnan(away) ? HUGE_VAL : away);  // no triangle is there
         }
     }
     const auto heights = session.read_values<float>(heights_.get(), vertex_count());
@@ -146,6 +157,11 @@ void BuiltRaster::copy_heights() {
     session.launch(file, "raster_copies", cl::Range::items(most), copies_, heights_, copied_);
     tops_.reserve(session, tiles * sizeof(float));
     session.launch(file, "raster_tops", cl::Range::items(tiles), copies_, copied_, tops_);
+    if (copies_.has_holes != 0) {
+        const cl::Buffer holes(session, tiles * sizeof(cl_uint));
+        session.launch(file, "raster_holes", cl::Range::items(tiles), copies_, squares_, holes);
+        session.launch(file, "raster_mark_holes", cl::Range::items(tiles), copies_, holes, tops_);
+    }
     session.finish();
 }
 

@@ -47,7 +47,7 @@ private:
     RasterParams params_{};
     RasterCopies copies_{};
     std::uint32_t diagonals_ = 0;
-    cl::Buffer x_, y_, heights_, copied_, tops_;
+    cl::Buffer x_, y_, heights_, copied_, tops_, squares_;
     double spacing_[2]{}, steepest_[2]{}, highest_ = 0, unevenness_ = 0;
 };
 

@@ -34,9 +34,9 @@ std::optional<SeenLight> seen(const double (&towards)[3], const BuiltRaster& ras
 
 struct SweepTables {
     std::vector<LightSweep> sweeps;
-    std::vector<std::int32_t> bases;
-    std::vector<std::array<std::uint32_t, 2>> tasks;
+    std::vector<std::uint32_t> numbers;  // of the lights that have a sweep
     std::size_t answers = 0;
+    std::uint32_t most_blocks = 0;
 };
 
 // The crossing at a distance of `lines`, of the edge from a vertex to another one, at a share of its length.
@@ -105,6 +105,11 @@ void set_margins(LightSweep& sweep, const SeenLight& light, const BuiltRaster& r
     sweep.near_margin = float(1.01 * (uneven + crossings) + double(SWEEP_LOST));
 }
 
+std::size_t words_of_lines(std::size_t lines, std::uint32_t lanes) {
+    const std::uint32_t lines_of_word = sweep_lines_of_word(lanes);
+    return (lines + lines_of_word - 1) / lines_of_word;
+}
+
 void add_sweep(SweepTables& made, const double (&towards)[3], const BuiltRaster& raster, std::uint32_t lanes) {
     LightSweep sweep{};
     const auto light = seen(towards, raster);
@@ -125,13 +130,12 @@ void add_sweep(SweepTables& made, const double (&towards)[3], const BuiltRaster&
     sweep.is_along_y = light->is_along_y ? 1 : 0;
     sweep.is_line_turned = light->is_line_turned ? 1 : 0;
     sweep.is_row_turned = light->is_row_turned ? 1 : 0;
-    const auto base = [&](std::uint32_t line) { return std::uint32_t(std::uint64_t(sweep.slope) * line >> 32); };
-    sweep.shift = base(sweep.lines - 1) + 1;
+    sweep.shift = static_cast<cl_uint>(std::uint64_t(sweep.slope) * (sweep.lines - 1) >> 32) + 1;
     sweep.blocks = (sweep.rows + sweep.shift + lanes - 1) / lanes;
     sweep.first_answer = static_cast<cl_uint>(made.answers);
-    sweep.first_base = static_cast<cl_uint>(made.bases.size());
-    made.answers += std::size_t(sweep.lines) * sweep.blocks;
-    for (std::uint32_t line = 0; line < sweep.lines; ++line) made.bases.push_back(std::int32_t(base(line)));
+    made.answers += words_of_lines(sweep.lines, lanes) * sweep.blocks;
+    made.most_blocks = std::max(made.most_blocks, sweep.blocks);
+    sweep.has_holes = raster.copies().has_holes;
     sweep.first_top = raster.copies().first_top[copy];
     sweep.tops_of_line = raster.copies().tops_of_line[copy];
     sweep.edges[SWEEP_LINES] = edges_at(1, sweep.lines);
@@ -139,8 +143,7 @@ void add_sweep(SweepTables& made, const double (&towards)[3], const BuiltRaster&
     sweep.edges[SWEEP_DIAGONALS] = edges_at(sweep.is_rising != 0 ? 1 - light->slope : 1 + light->slope, sweep.lines);
     set_crossings(sweep, *light);
     set_margins(sweep, *light, raster);
-    const auto number = static_cast<std::uint32_t>(made.sweeps.size());
-    for (std::uint32_t block = 0; block < sweep.blocks; ++block) made.tasks.push_back({number, block});
+    made.numbers.push_back(static_cast<std::uint32_t>(made.sweeps.size()));
     made.sweeps.push_back(sweep);
 }
 
@@ -163,32 +166,31 @@ RasterPoints points_on(const BuiltRaster& raster, const LightsRun& run, const So
 std::size_t Sweeps::bytes_of_light(const BuiltRaster& raster, const cl::Session& session) {
     const std::size_t sides = std::size_t(raster.params().columns) + raster.params().rows;
     const std::size_t lines = std::max(raster.params().columns, raster.params().rows);
-    return lines * ((sides + 1) / session.lanes() + 1) * sizeof(cl_uint);
+    return words_of_lines(lines, session.lanes()) * ((sides + 1) / session.lanes() + 1) * sizeof(cl_uint);
 }
 
-Sweeps::Sweeps(const LightsRun& run, const BuiltRaster& raster, const RasterPoints& at, const LightBundles& bundles,
-               Statistics& statistics)
-    : session_(session_of(run.device)), raster_(raster), at_(at), statistics_(statistics) {
-    const cl::StageTimer timer(session_, statistics, "sweeps");
+Sweeps::Sweeps(const LightsRun& run, const BuiltRaster& raster, const RasterPoints& at, Statistics& statistics)
+    : session_(session_of(run.device)), raster_(raster), at_(at), statistics_(statistics) {}
+
+void Sweeps::sweep(const LightBundles& bundles) {
+    const cl::StageTimer timer(session_, statistics_, "sweeps");
     SweepTables made;
-    const std::uint32_t axis = raster.params().axis;
+    const std::uint32_t axis = raster_.params().axis;
     for (const LightBundle& bundle : bundles.bundles)
         for (std::uint32_t l = 0; l < MAX_BUNDLE_LIGHTS; ++l) {
             const double towards[3] = {bundle.directions[(axis + 1) % 3][l], bundle.directions[(axis + 2) % 3][l],
                                        bundle.directions[axis][l]};
-            add_sweep(made, towards, raster, session_.lanes());
+            add_sweep(made, towards, raster_, session_.lanes());
         }
     session_.upload(sweeps_, made.sweeps);
-    if (made.tasks.empty()) made.bases.push_back(0), made.answers = 1;
-    session_.upload(bases_, made.bases);
-    answers_.reserve(session_, made.answers * sizeof(cl_uint));
-    if (made.tasks.empty()) return;
-    cl::Buffer tasks;
-    session_.upload(tasks, made.tasks);
+    answers_.reserve(session_, std::max<std::size_t>(made.answers, 1) * sizeof(cl_uint));
+    if (made.numbers.empty()) return;
+    session_.upload(numbers_, made.numbers);
     SweepParams params{};
-    params.task_count = static_cast<cl_uint>(made.tasks.size());
-    session_.launch(file, "sweeps", cl::Range::shares(made.tasks.size()), params, sweeps_, tasks,
-                    raster.copied_heights(), answers_);
+    params.sweep_count = static_cast<cl_uint>(made.numbers.size());
+    params.most_blocks = made.most_blocks;
+    session_.launch(file, "sweeps", cl::Range::shares(made.numbers.size() * made.most_blocks), params, sweeps_,
+                    numbers_, raster_.copied_heights(), raster_.tops(), answers_);
     session_.finish();
 }
 
@@ -197,13 +199,15 @@ void Sweeps::decide(const PointsLayout& points, const HorizonMasks& masks) {
     const SweepParams params{.points = points,
                              .bundle_count = masks.bundle_count,
                              .mask_stride = masks.stride,
-                             .task_count = 0,
-                             .padding = 0};
+                             .sweep_count = 0,
+                             .most_blocks = 0};
     const std::size_t words = std::size_t(points.count) * masks.bundle_count;
-    session_.launch(file, "sweeps_decide", session_.blocks(words), params, sweeps_, bases_, at_.vertices, answers_,
-                    masks.masks, masks.lit);
+    session_.launch(file, "sweeps_decide", session_.blocks(words), params, sweeps_, at_.vertices, answers_, masks.masks,
+                    masks.lit);
+    const std::size_t listed = session_.is_cpu() ? 1 : WALK_ROUNDS * session_.work_group_size() + 1;
     session_.launch(file, "sweeps_walk", cl::Range::shares(words), params, sweeps_, at_.vertices,
-                    raster_.copied_heights(), raster_.tops(), masks.masks, masks.lit);
+                    raster_.copied_heights(), raster_.tops(), masks.masks, masks.lit,
+                    cl::LocalBytes{listed * sizeof(cl_uint)});
     session_.finish();
 }
 

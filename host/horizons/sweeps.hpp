@@ -19,12 +19,12 @@ RasterPoints points_on(const BuiltRaster& raster, const LightsRun& run, const So
 
 class Sweeps {
 public:
-    /// Decides the lights of the bundles for all vertices of the raster.
-    Sweeps(const LightsRun& run, const BuiltRaster& raster, const RasterPoints& at, const LightBundles& bundles,
-           Statistics& statistics);
+    Sweeps(const LightsRun& run, const BuiltRaster& raster, const RasterPoints& at, Statistics& statistics);
     /// The bytes that the answers of a light take at most.
     static std::size_t bytes_of_light(const BuiltRaster& raster, const cl::Session& session);
 
+    /// Decides the lights of the bundles for all vertices of the raster.
+    void sweep(const LightBundles& bundles);
     /// `points`: a part of the sorted points. Removes the lights that are decided from the masks.
     void decide(const PointsLayout& points, const HorizonMasks& masks);
 
@@ -33,7 +33,7 @@ private:
     const BuiltRaster& raster_;
     const RasterPoints& at_;
     Statistics& statistics_;
-    cl::Buffer sweeps_, bases_, answers_;
+    cl::Buffer sweeps_, numbers_, answers_;
 };
 
 }  // namespace gnomon

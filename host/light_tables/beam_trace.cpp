@@ -24,6 +24,15 @@ BeamPasses::BeamPasses(const BvhRun& run, const LightBundles& bundles, BeamShape
       masks_(run, bundles, statistics, before_of(before)),
       sweeps_(before.sweeps) {
     if (before.field != nullptr) horizons_.emplace(run, run.sorted, *before.field, bundles, statistics);
+    reserve_masks(bundles);
+}
+
+void BeamPasses::set_bundles(const LightBundles& bundles) {
+    masks_.set_bundles(bundles);
+    reserve_masks(bundles);
+}
+
+void BeamPasses::reserve_masks(const LightBundles& bundles) {
     // A part's pairs take some tenths of a second. At the end of each part a GPU waits for its slowest work-groups: in
     // Sponza, parts of 2^26 pairs made 1.7 G pairs/s in place of 4.2.
     const std::size_t pairs = session_.is_cpu() ? std::size_t(1) << 24 : std::size_t(1) << 30;
@@ -84,13 +93,16 @@ void BeamPasses::launch(const BeamParams& params, std::size_t tasks, const char*
 // On a GPU a second launch traces the tasks that blocks gave up.
 void BeamPasses::launch(const PointPart& part) {
     const bool is_cpu = session_.is_cpu();
-    const std::size_t tasks = masks_.tasks_of(part.count), groups_of_points = is_cpu ? 1 : POINT_GROUPS_ON_GPU;
+    const std::size_t tasks = masks_.tasks_of(part.count);
     BeamParams params = masks_.params_of(part);
     params.are_packets = shape_ == BeamShape::packet ? 1u : 0u;
-    launch(params, shape_ == BeamShape::point ? tasks * groups_of_points : tasks, kernel_of(shape_));
+    // Some points take much longer than others. After sweeps most tasks have no open pair.
+    params.parts_of_task = is_cpu || sweeps_ != nullptr ? 1u : 4u;
+    launch(params, shape_ == BeamShape::point ? tasks * params.parts_of_task : tasks, kernel_of(shape_));
     if (is_cpu || shape_ != BeamShape::block) return;
     params.listed_tasks = session_.read_value<BeamCounters>(masks_.counters()).left_to_points;
-    if (params.listed_tasks != 0) launch(params, params.listed_tasks * groups_of_points, kernel_of(BeamShape::point));
+    if (params.listed_tasks != 0)
+        launch(params, std::size_t(params.listed_tasks) * params.parts_of_task, kernel_of(BeamShape::point));
 }
 
 }  // namespace gnomon

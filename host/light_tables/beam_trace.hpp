@@ -19,7 +19,7 @@ enum class BeamShape { block, point, packet };
 /// What decides some pairs before beams do; null: nothing.
 struct DecidedBefore {
     const BuiltHeightField* field = nullptr;  ///< by its horizons, for make_sector_bundles()
-    Sweeps* sweeps = nullptr;                 ///< of the same bundles
+    Sweeps* sweeps = nullptr;                 ///< which swept the same bundles
 };
 
 class BeamPasses {
@@ -27,6 +27,9 @@ public:
     /// `bundles`: make_light_bundles() of the run's lights; for packets make_plain_bundles().
     BeamPasses(const BvhRun& run, const LightBundles& bundles, BeamShape shape, Statistics& statistics,
                const DecidedBefore& before = {});
+
+    /// Takes other bundles, of the same kind of lights.
+    void set_bundles(const LightBundles& bundles);
 
     void run();
     /// A run of some of the lights: adds what their bundles have, of which the first has the number `first_bundle`.
@@ -36,6 +39,7 @@ public:
     double timed_ms();
 
 private:
+    void reserve_masks(const LightBundles& bundles);
     void decide(const PointPart& part);
     void launch(const PointPart& part);
     void launch(const BeamParams& params, std::size_t tasks, const char* kernel);

@@ -15,15 +15,18 @@ std::size_t max_mask_bytes(const cl::Session& session) {
 }
 
 LightMasks::LightMasks(const BvhRun& run, const LightBundles& bundles, Statistics& statistics, Before before)
-    : run_(run),
-      session_(session_of(run.device)),
-      statistics_(statistics),
-      slots_(bundles.lights),
-      bundle_count_(static_cast<cl_uint>(bundles.bundles.size())),
-      before_(before),
-      are_positions_(bundles.are_positions) {
-    session_.upload(bundles_, bundles.bundles);
+    : run_(run), session_(session_of(run.device)), statistics_(statistics), before_(before) {
     queue_.reserve(session_, first_queue * sizeof(BeamPairs));
+    set_bundles(bundles);
+}
+
+void LightMasks::set_bundles(const LightBundles& bundles) {
+    slots_ = bundles.lights;
+    bundle_count_ = static_cast<cl_uint>(bundles.bundles.size());
+    are_positions_ = bundles.are_positions;
+    queued_ = 0;
+    std::ranges::fill(by_level_, 0);
+    session_.upload(bundles_, bundles.bundles);
 }
 
 void LightMasks::reserve(std::size_t points) {
@@ -96,7 +99,7 @@ BeamParams LightMasks::params_of(const PointPart& part) const {
             .rounding = factor * run_.largest_coordinate() + BEAM_ROUNDING_LEAST,
             .are_sectors = before_ == Before::horizons ? 1u : 0u,
             .are_packets = 0,
-            .padding = 0};
+            .parts_of_task = 1};
 }
 
 void LightMasks::decide_queue(const PointPart& part) {

@@ -38,6 +38,9 @@ public:
     enum class Before { nothing, sweeps, horizons };
     LightMasks(const BvhRun& run, const LightBundles& bundles, Statistics& statistics, Before before);
 
+    /// Takes other bundles. Their masks need room again; buffers only grow.
+    void set_bundles(const LightBundles& bundles);
+
     /// Makes room for a part of `points` points, or of fewer if there is no memory for them.
     void reserve(std::size_t points);
     std::size_t max_points() const { return max_points_; }
@@ -95,9 +98,9 @@ private:
     cl::Session& session_;
     Statistics& statistics_;
     std::vector<std::uint32_t> slots_;
-    cl_uint bundle_count_;
+    cl_uint bundle_count_ = 0;
     Before before_;
-    bool are_positions_;
+    bool are_positions_ = false;
     cl::Buffer bundles_, counters_, queue_, masks_, lit_, begins_;
     std::size_t max_points_ = 0;
     std::uint64_t queued_ = 0, by_level_[3] = {};

@@ -115,6 +115,8 @@ void run_sweeps(const TableRun& table) {
     const BeamShape shape = session.is_cpu() ? BeamShape::packet : BeamShape::point;
     LightSums sums(table.run, all.lights, &table.run.sorted);
     const std::size_t room = max_answer_bytes / Sweeps::bytes_of_light(*table.raster, session);
+    Sweeps sweeps(table.run, *table.raster, table.at, table.statistics);
+    std::optional<BeamPasses> passes;
     for (std::size_t first = 0, end = 0; first < all.bundles.size(); first = end) {
         LightBundles group;
         while (end < all.bundles.size() &&
@@ -122,10 +124,13 @@ void run_sweeps(const TableRun& table) {
             const LightBundle& bundle = all.bundles[end];
             group.add(bundle, std::span(all.lights).subspan(end++ * MAX_BUNDLE_LIGHTS, bundle.light_count));
         }
-        Sweeps sweeps(table.run, *table.raster, table.at, group, table.statistics);
-        BeamPasses passes(table.run, group, shape, table.statistics, {.sweeps = &sweeps});
+        sweeps.sweep(group);
+        if (passes)
+            passes->set_bundles(group);
+        else
+            passes.emplace(table.run, group, shape, table.statistics, DecidedBefore{.sweeps = &sweeps});
         const auto count = double(all.bundles.size());
-        passes.run_into(sums, static_cast<std::uint32_t>(first), double(first) / count, double(end - first) / count);
+        passes->run_into(sums, static_cast<std::uint32_t>(first), double(first) / count, double(end - first) / count);
     }
     sums.finish();
 }

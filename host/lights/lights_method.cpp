@@ -30,11 +30,15 @@ bool are_scattered(const LightsTraits& traits) {
                                    : traits.lights_per_bundle < tuning.cpu_scattered_lights;
 }
 
+std::size_t vertices_worth_sweeps(const LightsTraits& traits) {
+    if (!traits.is_cpu) return tuning.gpu_vertices_of_point;
+    return are_scattered(traits) ? tuning.cpu_vertices_of_point_scattered : tuning.cpu_vertices_of_point;
+}
+
 bool serve_sweeps(const LightsTraits& traits) {
     return traits.raster_vertices != 0 &&
-           double(traits.points_at_vertices) >= tuning.cpu_share_at_vertices * double(traits.points) &&
-           traits.raster_vertices <= traits.points * (are_scattered(traits) ? tuning.cpu_vertices_of_point_scattered
-                                                                            : tuning.cpu_vertices_of_point);
+           double(traits.points_at_vertices) >= tuning.share_at_vertices * double(traits.points) &&
+           traits.raster_vertices <= traits.points * vertices_worth_sweeps(traits);
 }
 
 // On a GPU one light at a time was the fastest for the points of some pictures, seldom for other points. Other points
@@ -69,8 +73,9 @@ bool wants_tree(const LightsTraits& traits) {
 }
 
 bool wants_raster(const LightsTraits& traits) {
-    return traits.is_cpu && !traits.is_picture && !traits.are_point_lights && are_shared(traits) &&
-           pairs_of(traits) >= std::max(tuning.min_raster_pairs, traits.triangles / tuning.cpu_triangles_per_pair);
+    const std::size_t least = traits.is_cpu ? tuning.cpu_min_raster_pairs : tuning.gpu_min_raster_pairs;
+    return !traits.is_picture && !traits.are_point_lights && are_shared(traits) &&
+           pairs_of(traits) >= std::max(least, traits.triangles / tuning.cpu_triangles_per_pair);
 }
 
 // On a GPU horizons are never the fastest for the points of pictures.

@@ -40,12 +40,15 @@ struct LightsTuning {
     std::size_t cpu_sector_lights = 64;
     /// Sweeps decide all vertices of a raster, some 7 ns for each and a light; other methods decide the points alone,
     /// 30 ns where lights are close together, else 100 or more. So they serve where at least this share of the points
-    /// is at vertices, and a point has no more than this number of vertices (two cores, this table's commit).
-    double cpu_share_at_vertices = 0.875;
-    std::size_t cpu_vertices_of_point = 2, cpu_vertices_of_point_scattered = 8;
+    /// is at vertices, and a point has no more than this number of vertices (two cores, 330b2f4e). On a GPU 8 vertices
+    /// of a point and 40 or 400 suns take .4 and .5 of the time of horizons, 19 vertices .7 and 1 (H200, this table's
+    /// commit).
+    double share_at_vertices = 0.875;
+    std::size_t cpu_vertices_of_point = 2, cpu_vertices_of_point_scattered = 8, gpu_vertices_of_point = 8;
     /// Pairs from which on a raster is searched for: one light and a million vertices take 40 ms by sweeps and 62 by
-    /// packets (two cores, this table's commit).
-    std::size_t min_raster_pairs = std::size_t(1) << 18;
+    /// packets (two cores, 330b2f4e); 4 and 40 suns and 100,000 vertices .95 and .3 of horizons, and 10,000
+    /// vertices 1.5 and 1.1 (H200, this table's commit).
+    std::size_t cpu_min_raster_pairs = std::size_t(1) << 18, gpu_min_raster_pairs = std::size_t(1) << 19;
     /// Pairs of each triangle from which on a height field is searched for: that takes as long as to decide some
     /// (H200, ec9c821).
     std::size_t min_field_pairs_per_triangle = 8;

@@ -15,8 +15,7 @@ constexpr std::size_t most_items = 128;
 // On a CPU a work-item takes a chunk, on a GPU a work-group.
 cl::Range range_of(const cl::Session& session, std::size_t chunks) {
     if (session.is_cpu()) return cl::Range::items(chunks);
-    return cl::Range::groups(std::min(chunks, session.many_groups()),
-                             std::min(session.work_group_size(), most_items));
+    return cl::Range::groups(std::min(chunks, session.many_groups()), std::min(session.work_group_size(), most_items));
 }
 
 // The words of local memory that sort_scatter needs.

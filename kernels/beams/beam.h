@@ -12,8 +12,6 @@
 #include "bvh/wide_bvh.h"
 #include "lights/light_bundle.h"
 
-// On a GPU this number of work-groups shares a task's points (point_beam_trace): some take much longer than others.
-#define POINT_GROUPS_ON_GPU 4u
 // Words of local memory of a GPU's work-group (beam_lanes.clh).
 #define BEAM_LOCAL_WORDS (1u + (7u + POINT_EDGE_ROWS) * BVH_WIDTH_ON_GPU + MAX_STACK_ENTRIES)
 // Floats of a triangle's PointEdges, which a point beam keeps for its tests of single lights.
@@ -35,9 +33,9 @@ GN_STRUCT_BEGIN(BeamParams)
     uint listed_tasks;  // number of tasks in TASKS_LEFT to process; 0: all tasks
     // Of n . X, for coordinates of n up to 1: BEAM_ROUNDING times the largest coordinate, and BEAM_ROUNDING_LEAST.
     float rounding;
-    uint are_sectors;  // 1: a bundle with a direction along the ground (light_bundle.h) is a sector
-    uint are_packets;  // 1: a CPU decides all pairs by packets
-    uint padding;
+    uint are_sectors;    // 1: a bundle with a direction along the ground (light_bundle.h) is a sector
+    uint are_packets;    // 1: a CPU decides all pairs by packets
+    uint parts_of_task;  // of point_beam_trace: as many work-groups of a GPU share a task's points
 GN_STRUCT_END(BeamParams, 96)
 
 // Task bundle x blocks + block is a block and a bundle. On a CPU a task of beam_trace has PACKET_BLOCKS blocks.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Finds out whether triangles are a raster (sweeps.h): their corners lie in rows and columns, and each square of the
-// raster is two triangles. Then each position has one height, and heights are continuous.
+// raster has at most its two triangles. Then each position has at most one height. A square that lacks a triangle is a
+// hole; elsewhere heights are continuous.
 #include "horizons/height_field.h"
 #include "horizons/sweeps.h"
 
@@ -60,6 +61,21 @@ __kernel void raster_check(const RasterParams raster, __global const float* vert
     if (what != 0u) atomic_or(found, what);
 }
 
+// Gives each vertex that no triangle has, whose height is NaN, the height of one before it in its column, or else of
+// the first one that has any: the ground is then a part of one without holes.
+__kernel void raster_fill(const RasterParams raster, __global float* heights) {
+    GN_FOR_EACH(column, raster.columns) {
+        __global float* of_column = heights + column * (size_t)raster.rows;
+        uint first = 0u;
+        while (first + 1u < raster.rows && isnan(of_column[first])) ++first;
+        float height = of_column[first];
+        for (uint row = 0; row < raster.rows; ++row) {
+            if (isnan(of_column[row])) of_column[row] = height;
+            height = of_column[row];
+        }
+    }
+}
+
 __kernel void raster_copies(const RasterCopies copies, __global const float* heights, __global float* made) {
     for (uint copy = 0; copy < 4u; ++copy) {
         uint lines = copy < 2u ? copies.columns : copies.rows, rows = copy < 2u ? copies.rows : copies.columns;
@@ -85,6 +101,47 @@ __kernel void raster_tops(const RasterCopies copies, __global const float* made,
                 for (uint b = row; b <= min(row + RASTER_TILE, rows - 1u); ++b)
                     top = fmax(top, made[copies.first[copy] + a * (size_t)copies.stride[copy] + b]);
             tops[copies.first_top[copy] + i] = top;
+        }
+    }
+}
+
+// Whether a square around a vertex is a hole. squares: of raster_check().
+static bool is_at_hole(const RasterCopies copies, __global const uint* squares, uint column, uint row) {
+    for (uint c = max(column, 1u) - 1u; c < min(column + 1u, copies.columns - 1u); ++c)
+        for (uint r = max(row, 1u) - 1u; r < min(row + 1u, copies.rows - 1u); ++r)
+            if (popcount(squares[c * (size_t)copies.rows + r]) != 2u) return true;
+    return false;
+}
+
+// holes: for each tile whether it has one.
+__kernel void raster_holes(const RasterCopies copies, __global const uint* squares, __global uint* holes) {
+    for (uint copy = 0; copy < 4u; ++copy) {
+        uint lines = copy < 2u ? copies.columns : copies.rows, rows = copy < 2u ? copies.rows : copies.columns;
+        uint tiles = copies.tops_of_line[copy], lines_of_tiles = (lines - 1u) / RASTER_TILE + 1u;
+        GN_FOR_EACH(i, lines_of_tiles * (size_t)tiles) {
+            uint line = (uint)(i / tiles) * RASTER_TILE, row = (uint)(i % tiles) * RASTER_TILE, found = 0u;
+            for (uint a = line; a <= min(line + RASTER_TILE, lines - 1u); ++a)
+                for (uint b = row; b <= min(row + RASTER_TILE, rows - 1u); ++b) {
+                    uint along = copy % 2u != 0u ? rows - 1u - b : b;
+                    found |= is_at_hole(copies, squares, copy < 2u ? a : along, copy < 2u ? along : a) ? 1u : 0u;
+                }
+            holes[copies.first_top[copy] + i] = found;
+        }
+    }
+}
+
+// Marks the greatest heights of tiles that have a hole or a neighbour with one.
+__kernel void raster_mark_holes(const RasterCopies copies, __global const uint* holes, __global float* tops) {
+    for (uint copy = 0; copy < 4u; ++copy) {
+        int lines = (int)(copy < 2u ? copies.columns : copies.rows), tiles = (int)copies.tops_of_line[copy];
+        int lines_of_tiles = (lines - 1) / RASTER_TILE + 1;
+        GN_FOR_EACH(i, lines_of_tiles * (size_t)tiles) {
+            int line = (int)(i / (size_t)tiles), tile = (int)(i % (size_t)tiles);
+            uint near = 0u;
+            for (int a = max(line - 1, 0); a <= min(line + 1, lines_of_tiles - 1); ++a)
+                for (int b = max(tile - 1, 0); b <= min(tile + 1, tiles - 1); ++b)
+                    near |= holes[copies.first_top[copy] + a * (size_t)tiles + b];
+            if (near != 0u) tops[copies.first_top[copy] + i] = copysign(tops[copies.first_top[copy] + i], -1.0f);
         }
     }
 }

@@ -12,22 +12,17 @@
 // Lit and dark are as in horizons.cl: a ray above all ground ahead meets none; one that is above the ground at the end
 // of its first triangle and below it farther on meets a triangle in between, and so does one that is first below.
 // Ground beyond the raster blocks nothing; it may only keep a light open.
+//
+// Holes. The ground of bounds has none (raster_fill): what is above it is above the raster, too. But a ray may go
+// through a hole from above to below. So a light is dark only where there is no hole near the way from the vertex to
+// the ground that blocks the ray: `low` begins anew behind each tile near a hole.
 #include "horizons/height_field.h"
-#include "horizons/sweeps.h"
-#include "simd/point_blocks.clh"
+#include "horizons/sweep_rays.clh"
 
 #if GN_LANES == 1
 #define LOAD_LANES(values) (*(values))
 #else
 #define LOAD_LANES(values) vload16(0, values)
-#endif
-#define LOWEST (-1e30f)
-#if GN_LANES == 1
-#define LANES_MUL_HIGH(a, b) ((int)mul_hi((uint)(a), (uint)(b)))
-#define LANES_OF_PART(part) ((float)as_uint(part) * 0x1p-32f)
-#else
-#define LANES_MUL_HIGH(a, b) as_int16(mul_hi((uint16)(a), as_uint16(b)))
-#define LANES_OF_PART(part) (convert_float16(as_uint16(part)) * 0x1p-32f)
 #endif
 
 // Over the plane through the light's rays: at both sides of a strip.
@@ -70,9 +65,18 @@ static LaneFloat height_across(const StripLine* line, float share) {
     return line->at[0] + share * (line->at[1] - line->at[0]);
 }
 
+// The lanes that have, on a line, a vertex in a tile near a hole.
+static LaneInt are_near_holes(__global const LightSweep* sweep, __global const float* tops, uint line, LaneInt row) {
+    if (sweep->has_holes == 0u) return (LaneInt)(0);
+    uint of_copy = sweep->line_stride < 0 ? sweep->lines - 1u - line : line;
+    __global const float* of_line = tops + sweep->first_top + of_copy / RASTER_TILE * sweep->tops_of_line;
+    LaneInt tile = clamp(row, (LaneInt)(0), (LaneInt)((int)sweep->rows - 1)) / RASTER_TILE;
+    return LANE_COMPARE(LANES_GATHER((__global const int*)of_line, tile), <, (LaneInt)(0));
+}
+
 // Meets a line, and the ground between it and the one that was met last.
-GN_INLINE_ON_CPU void meet_line(SweepStrips* strips, __global const float* heights, __global const LightSweep* sweep,
-                                uint line, int block_row) {
+GN_INLINE_ON_CPU void meet_line(SweepStrips* strips, __global const float* heights, __global const float* tops,
+                                __global const LightSweep* sweep, uint line, int block_row) {
     LaneFloat plane = (LaneFloat)(sweep->climb * (float)line);
     __global const float* at = heights + sweep->first + (long)line * sweep->line_stride + block_row;
     LaneFloat h[4], n[4];
@@ -92,7 +96,12 @@ GN_INLINE_ON_CPU void meet_line(SweepStrips* strips, __global const float* heigh
     LaneInt row = (LaneInt)(block_row) + LANE_INDEX, last_row = (LaneInt)((int)sweep->rows - 4);
     LaneInt higher = LANE_COMPARE(least.at[0] + least.at[1], >, strips->low.at[0] + strips->low.at[1]) &
                      LANE_COMPARE(row, >=, (LaneInt)(1)) & LANE_COMPARE(row, <=, last_row);
-    for (uint k = 0; k < 2u; ++k) strips->low.at[k] = LANES_SELECT(strips->low.at[k], least.at[k], higher);
+    LaneInt near_hole = are_near_holes(sweep, tops, line, row);
+    LaneFloat lowest = (LaneFloat)(LOWEST);
+    for (uint k = 0; k < 2u; ++k) {
+        LaneFloat low = LANES_SELECT(strips->low.at[k], least.at[k], higher);
+        strips->low.at[k] = LANES_SELECT(low, lowest, near_hole);
+    }
 }
 
 // The ground that a vertex's own ray meets on its way over the next lines, over the plane through the ray.
@@ -103,12 +112,32 @@ typedef struct NearGround {
     LaneInt has_first;        // the end of the first triangle is on the raster
 } NearGround;
 
-// Of an edge that a ray meets, over the plane through the ray: between two heights by shares, or by one share.
+// Of an edge that a ray meets, over the plane through the ray.
 static LaneFloat height_of_crossing(float share_low, LaneFloat low, float share_high, LaneFloat high, float climb) {
     return share_low * low + share_high * high - climb;
 }
-static LaneFloat height_of_edge(LaneFloat a, LaneFloat b, LaneFloat share, float climb, LaneFloat farther) {
-    return (a + share * (b - a)) - climb * farther;
+
+// The same for all lanes where no crossing is near the raster's borders, as nearly everywhere.
+static bool is_far_from_borders(__global const LightSweep* sweep, uint line, int row) {
+    return line + SWEEP_NEAR + 1u < sweep->lines && row >= 1 && row + GN_LANES + SWEEP_NEAR + 2 <= (int)sweep->rows;
+}
+static NearGround near_ground_far_from_borders(__global const float* at, __global const LightSweep* sweep) {
+    LaneFloat lowest = (LaneFloat)(LOWEST);
+    NearGround ground = {lowest, lowest, -lowest, lowest, (LaneInt)(-1)};
+    for (uint k = 0; k < sweep->crossing_count; ++k) {
+        // One load of low, high and both shares.
+        int4 edge = *(__global const int4*)&sweep->crossings[k];
+        LaneFloat height = height_of_crossing(as_float(edge.z), LOAD_LANES(at + edge.x), as_float(edge.w),
+                                              LOAD_LANES(at + edge.y), sweep->crossings[k].climb);
+        if (k == 0u) {
+            ground.first = height;
+            continue;
+        }
+        ground.most = LANES_MAX(height, ground.most);
+        ground.least = LANES_MIN(height, ground.least);
+    }
+    ground.inside = ground.most;
+    return ground;
 }
 
 static NearGround near_ground(__global const float* at, __global const LightSweep* sweep, uint line, LaneInt row) {
@@ -144,14 +173,15 @@ static LaneInt leave_above(__global const LightSweep* sweep, uint line, LaneInt 
 }
 
 // Answers for the vertices that the strips have on a line.
-GN_INLINE_ON_CPU uint answer_line(const SweepStrips* strips, __global const float* heights,
+GN_INLINE_ON_CPU uint answer_line(const SweepStrips* strips, __global const float* heights, __global const float* tops,
                                   __global const LightSweep* sweep, uint line, int block_row) {
     __global const float* at = heights + sweep->first + (long)line * sweep->line_stride + block_row + 1;
     LaneInt row = (LaneInt)(block_row + 1) + LANE_INDEX;
     LaneFloat height = LOAD_LANES(at), margin = (LaneFloat)(sweep->margin);
     LaneInt is_vertex = LANE_COMPARE(row, >=, (LaneInt)(0)) & LANE_COMPARE(row, <, (LaneInt)((int)sweep->rows));
     if (line + 1u == sweep->lines) return lane_bits(is_vertex);  // their rays leave the raster
-    NearGround ground = near_ground(at, sweep, line, row);
+    NearGround ground = is_far_from_borders(sweep, line, block_row + 1) ? near_ground_far_from_borders(at, sweep)
+                                                                        : near_ground(at, sweep, line, row);
     float share = 1.0f - rest_at(sweep, line);
     LaneFloat high = height_across(&strips->high, share), low = height_across(&strips->low, share);
     LaneFloat ray = height - sweep->climb * (float)line;
@@ -159,9 +189,10 @@ GN_INLINE_ON_CPU uint answer_line(const SweepStrips* strips, __global const floa
     LaneInt is_above = LANE_COMPARE(ground.first, <, below);
     LaneInt lit = is_vertex & is_above & LANE_COMPARE(ground.most, <, below) & LANE_COMPARE(high, <, ray - margin);
     LaneInt into = is_above & (LANE_COMPARE(ground.inside, >, above) | LANE_COMPARE(low, >, ray + margin));
-    LaneInt out_of = LANE_COMPARE(ground.first, >, above) &
-                     (LANE_COMPARE(ground.least, <, below) | leave_above(sweep, line, row, height));
-    LaneInt open = is_vertex & ~(lit | (ground.has_first & (into | out_of)));
+    LaneInt leaves = sweep->has_holes != 0u ? (LaneInt)(0) : leave_above(sweep, line, row, height);
+    LaneInt out_of = LANE_COMPARE(ground.first, >, above) & (LANE_COMPARE(ground.least, <, below) | leaves);
+    LaneInt is_whole = ground.has_first & ~are_near_holes(sweep, tops, line, row);
+    LaneInt open = is_vertex & ~(lit | (is_whole & (into | out_of)));
     return lane_bits(lit) | lane_bits(open) << 16;
 }
 
@@ -171,27 +202,38 @@ static SweepStrips no_strips(void) {
     return (SweepStrips){none, none, none};
 }
 
-GN_NOINLINE_ON_CPU void sweep_block(__global const float* heights, __global const LightSweep* sweep, uint block,
-                                    __global uint* answers) {
+// Meets the line that is now SWEEP_NEAR lines ahead, and returns the answers for a line, or 0 beside the raster.
+GN_INLINE_ON_CPU uint sweep_line(SweepStrips* strips, __global const float* heights, __global const float* tops,
+                                 __global const LightSweep* sweep, uint line, int first_strip) {
+    uint met = line + SWEEP_NEAR;
+    int met_row = first_strip + (int)base_at(sweep, met), row = first_strip + (int)base_at(sweep, line);
+    if (met < sweep->lines && met_row < (int)sweep->rows && met_row + GN_LANES >= 0)
+        meet_line(strips, heights, tops, sweep, met, met_row);
+    bool has_vertices = row + 1 < (int)sweep->rows && row + GN_LANES >= 0;
+    return has_vertices ? answer_line(strips, heights, tops, sweep, line, row) : 0u;
+}
+
+GN_NOINLINE_ON_CPU void sweep_block(__global const float* heights, __global const float* tops,
+                                    __global const LightSweep* sweep, uint block, __global uint* answers) {
     SweepStrips strips = no_strips();
     int first_strip = (int)(block * GN_LANES) - (int)sweep->shift;
-    for (uint line = sweep->lines; line-- > 0u;) {
-        uint met = line + SWEEP_NEAR;
-        int met_row = first_strip + (int)base_at(sweep, met), row = first_strip + (int)base_at(sweep, line);
-        if (met < sweep->lines && met_row < (int)sweep->rows && met_row + GN_LANES >= 0)
-            meet_line(&strips, heights, sweep, met, met_row);
-        if (row + 1 >= (int)sweep->rows) continue;
-        if (row + GN_LANES < 0) break;
-        answers[sweep->first_answer + line * (size_t)sweep->blocks + block] =
-            answer_line(&strips, heights, sweep, line, row);
+    for (uint end = sweep->lines, first; end != 0u; end = first) {
+        uint word = 0u;
+        first = (end - 1u) / SWEEP_LINES_OF_WORD * SWEEP_LINES_OF_WORD;
+        for (uint line = end; line-- > first;)
+            word |= sweep_line(&strips, heights, tops, sweep, line, first_strip) << (line - first);
+        answers[sweep->first_answer + first / SWEEP_LINES_OF_WORD * (size_t)sweep->blocks + block] = word;
+        if (first_strip + (int)base_at(sweep, first) + GN_LANES < 0) break;
     }
 }
 
-// tasks: for each block of strips its sweep's number and its own.
-__kernel void sweeps(const SweepParams params, __global const LightSweep* of_lights, __global const uint2* tasks,
-                     __global const float* heights, __global uint* answers GN_SHARES) {
-    GN_FOR_EACH_OF(i, GN_SHARED_RANGE(params.task_count)) {
-        sweep_block(heights, &of_lights[tasks[i].x], tasks[i].y, answers);
+// numbers: of the lights that have a sweep.
+__kernel void sweeps(const SweepParams params, __global const LightSweep* of_lights, __global const uint* numbers,
+                     __global const float* heights, __global const float* tops, __global uint* answers GN_SHARES) {
+    GN_FOR_EACH_OF(i, GN_SHARED_RANGE(params.sweep_count * (size_t)params.most_blocks)) {
+        __global const LightSweep* sweep = &of_lights[numbers[i / params.most_blocks]];
+        uint block = (uint)(i % params.most_blocks);
+        if (block < sweep->blocks) sweep_block(heights, tops, sweep, block, answers);
     }
     GN_END_SHARES;
 }
@@ -234,22 +276,23 @@ __kernel void sweep_vertices(const RasterParams raster, const PointsLayout point
 }
 
 // The answers of a light for a block of points at vertices.
-static LaneInt answers_of(__global const LightSweep* sweep, LaneInt vertex, __global const int* bases,
-                          __global const uint* answers, LaneInt* open) {
+static LaneInt answers_of(__global const LightSweep* sweep, LaneInt vertex, __global const uint* answers,
+                          LaneInt* open) {
     LaneInt column = (vertex >> 16) & 0xFFFF, row = vertex & 0xFFFF;
     bool is_along_y = sweep->is_along_y != 0u;
     LaneInt line = is_along_y ? row : column, side = is_along_y ? column : row;
     if (sweep->is_line_turned != 0u) line = (LaneInt)((int)sweep->lines - 1) - line;
     if (sweep->is_row_turned != 0u) side = (LaneInt)((int)sweep->rows - 1) - side;
-    LaneInt strip = side - 1 + (int)sweep->shift - LANES_GATHER(bases + sweep->first_base, line);
-    LaneInt lane = strip & (LaneInt)(GN_LANES - 1), at = line * (int)sweep->blocks + strip / GN_LANES;
+    LaneInt strip = side - 1 + (int)sweep->shift - LANES_MUL_HIGH(sweep->slope, line);
+    LaneInt pair = (line & (LaneInt)(SWEEP_LINES_OF_WORD - 1)) | (strip & (LaneInt)(GN_LANES - 1));
+    LaneInt at = line / (LaneInt)(SWEEP_LINES_OF_WORD) * (int)sweep->blocks + strip / GN_LANES;
     LaneInt word = LANES_GATHER((__global const int*)(answers + sweep->first_answer), at);
-    *open = (word >> (lane + 16)) & 1;
-    return (word >> lane) & 1;
+    *open = (word >> (pair + 16)) & 1;
+    return (word >> pair) & 1;
 }
 
 // masks: the lights that each point faces; afterwards those that are still open. lit: those that reach the point.
-__kernel void sweeps_decide(const SweepParams params, __global const LightSweep* of_lights, __global const int* bases,
+__kernel void sweeps_decide(const SweepParams params, __global const LightSweep* of_lights,
                             __global const uint* vertices, __global const uint* answers, __global uint* masks,
                             __global uint* lit) {
     uint blocks = block_count(params.points);
@@ -260,14 +303,15 @@ __kernel void sweeps_decide(const SweepParams params, __global const LightSweep*
         LaneInt usable = LANE_COMPARE(vertex, !=, (LaneInt)((int)NO_VERTEX)) & valid_lanes(params.points, number);
         vertex &= usable;
         LaneInt reached = (LaneInt)(0), still = mask & ~usable;
-        for (uint l = 0; l < MAX_BUNDLE_LIGHTS; ++l) {
+        for (uint left = LANES_ANY_BIT(mask & valid_lanes(params.points, number)); left != 0u;) {
+            uint l = take_lowest_bit(&left);
             __global const LightSweep* sweep = &of_lights[bundle * MAX_BUNDLE_LIGHTS + l];
             LaneInt bit = (LaneInt)((int)(1u << l));
             if (sweep->crossing_count == 0u) {
                 still |= mask & bit;
                 continue;
             }
-            LaneInt open, is_lit = answers_of(sweep, vertex, bases, answers, &open);
+            LaneInt open, is_lit = answers_of(sweep, vertex, answers, &open);
             reached |= is_lit << (int)l;
             still |= mask & usable & (open << (int)l);
         }
@@ -278,161 +322,62 @@ __kernel void sweeps_decide(const SweepParams params, __global const LightSweep*
 
 // ---- Single rays ----------------------------------------------------------------------------------------------------
 
-// The ray of a vertex to a light, with its place on the sweep's lines.
-typedef struct RasterRay {
-    __global const LightSweep* sweep;
-    __global const float* at;  // the vertex's height
-    int line, row;
-    float height;
-} RasterRay;
+typedef struct OpenPairs {
+    __global const LightSweep* of_lights;
+    __global const float* heights;
+    __global const float* tops;
+    __global uint* masks;  // of all points and bundles, one after the other
+    __global uint* lit;
+} OpenPairs;
 
-// The highest that the ground is over the plane through the ray: where the ray meets edges, also those that reach
-// beyond the last row; and where it surely is on the raster.
-typedef struct GroundMet {
-    LaneFloat most, inside;
-} GroundMet;
-
-// Meets the edges of one kind from number k on, one in each lane.
-static void meet_edges(GroundMet* met, const RasterRay* ray, uint kind, int k) {
-    __global const LightSweep* sweep = ray->sweep;
-    LaneInt number = (LaneInt)(k) + LANE_INDEX, lines, low, high;
-    LaneFloat share, farther;
-    if (kind == SWEEP_LINES) {
-        lines = number;
-        low = LANES_MUL_HIGH(sweep->slope, number);
-        high = low + 1;
-        share = LANES_OF_PART((LaneInt)((int)sweep->slope) * number);
-        farther = LANES_TO_FLOAT(lines);
-    } else {
-        __global const SweepEdges* edges = &sweep->edges[kind];
-        lines = number * (int)edges->lines + LANES_MUL_HIGH(edges->part, number);
-        share = LANES_OF_PART((LaneInt)((int)edges->part) * number);
-        farther = LANES_TO_FLOAT(lines) + share;
-        low = high = number;
-        if (kind == SWEEP_DIAGONALS) {
-            low = sweep->is_rising != 0u ? lines - number : number - lines;
-            high = sweep->is_rising != 0u ? low + 1 : low - 1;
-        }
+// Walks the rays from a vertex to the open lights of a mask.
+static void walk_mask(const OpenPairs* pairs, uint bundle, uint vertex, size_t mask) {
+    uint open = pairs->masks[mask], decided = 0u, reached = 0u;
+    for (uint left = open; left != 0u;) {
+        uint l = take_lowest_bit(&left);
+        __global const LightSweep* sweep = &pairs->of_lights[bundle * MAX_BUNDLE_LIGHTS + l];
+        if (sweep->crossing_count == 0u) continue;
+        RasterRay ray = ray_of(sweep, pairs->heights, vertex);
+        int answer = walk_ray(&ray, pairs->tops);
+        if (answer != 0) decided |= 1u << l;
+        if (answer > 0) reached |= 1u << l;
     }
-    int ahead = kind == SWEEP_LINES ? 0 : 1, next = ahead * sweep->line_stride;
-    LaneInt least = min(low, high), last = (LaneInt)((int)sweep->rows - 1 - ray->row);
-    LaneInt is_met = LANE_COMPARE(number, >=, (LaneInt)(1)) & LANE_COMPARE(least, <=, last) &
-                     LANE_COMPARE(lines, <, (LaneInt)((int)sweep->lines - ray->line - ahead));
-    LaneInt from = (lines * sweep->line_stride + low) & is_met,
-            to = (lines * sweep->line_stride + high + next) & is_met;
-    LaneFloat a = LANES_AS_FLOAT(LANES_GATHER((__global const int*)ray->at, from));
-    LaneFloat b = LANES_AS_FLOAT(LANES_GATHER((__global const int*)ray->at, to));
-    LaneFloat height = height_of_edge(a, b, share, sweep->climb, farther);
-    LaneFloat most = LANES_MAX(height, met->most), inside = LANES_MAX(height, met->inside);
-    met->most = LANES_SELECT(met->most, most, is_met);
-    met->inside = LANES_SELECT(met->inside, inside, is_met & LANE_COMPARE(least, <, last - 1));
+    pairs->masks[mask] = open & ~decided;
+    pairs->lit[mask] |= reached;
 }
 
-// A part of a ray, over one line of tiles.
-typedef struct RayPart {
-    int tile, next_line;
-    float from, to;  // distances in lines
-} RayPart;
-
-// The part from a line on. Tiles are those of the copy's lines.
-static RayPart part_from(const RasterRay* ray, int line) {
-    __global const LightSweep* sweep = ray->sweep;
-    bool is_turned = sweep->line_stride < 0;
-    int of_copy = is_turned ? (int)sweep->lines - 2 - line : line, tile = of_copy / RASTER_TILE;
-    int next = is_turned ? (int)sweep->lines - 1 - tile * RASTER_TILE : (tile + 1) * RASTER_TILE;
-    return (RayPart){tile, next, (float)(line - ray->line), (float)(next - ray->line)};
-}
-
-// The greatest height of the tiles that a part is over.
-static float top_over(const RasterRay* ray, __global const float* tops, const RayPart* part) {
-    __global const LightSweep* sweep = ray->sweep;
-    __global const float* of_line = tops + sweep->first_top + part->tile * (int)sweep->tops_of_line;
-    int last_tile = (int)sweep->tops_of_line - 1;
-    int first = ((int)(ray->row + sweep->share * part->from) - 1) / RASTER_TILE;
-    int last = ((int)(ray->row + sweep->share * part->to) + 1) / RASTER_TILE;
-    float top = 0.0f;
-    for (int tile = max(first, 0); tile <= min(last, last_tile); ++tile) top = fmax(top, of_line[tile]);
-    return top;
-}
-
-// Whether a ray that is above the end of its first triangle certainly reaches the light (1) or is certainly blocked
-// (-1).
-static int walk_above(const RasterRay* ray, __global const float* tops) {
-    __global const LightSweep* sweep = ray->sweep;
-    float above = ray->height + sweep->margin, below = ray->height - sweep->margin;
-    LaneFloat lowest = (LaneFloat)(LOWEST);
-    GroundMet met = {lowest, lowest};
-    for (int line = ray->line; line + 1 < (int)sweep->lines;) {
-        RayPart part = part_from(ray, line);
-        line = part.next_line;
-        float least = ray->height + sweep->climb * part.from - sweep->margin;
-        if (least > sweep->highest || ray->row + sweep->share * part.from > (float)sweep->rows) break;
-        if (top_over(ray, tops, &part) < least) continue;
-        for (uint kind = 0; kind < 3u; ++kind) {
-            float rate = sweep->edges[kind].rate;
-            if (rate == 0.0f) continue;
-            int last = (int)(part.to * rate) + 1;
-            for (int k = max((int)(part.from * rate) - 1, 1); k <= last; k += GN_LANES) meet_edges(&met, ray, kind, k);
-        }
-        if (LANES_ANY(LANE_COMPARE(met.inside, >, (LaneFloat)(above)))) return -1;
-    }
-    return LANES_ANY(LANE_COMPARE(met.most, >=, (LaneFloat)(below))) ? 0 : 1;
-}
-
-// Whether a ray that is below the end of its first triangle is certainly blocked (-1): it comes to be above the ground.
-static int walk_below(const RasterRay* ray, __global const float* tops) {
-    __global const LightSweep* sweep = ray->sweep;
-    for (int line = ray->line; line + 1 < (int)sweep->lines;) {
-        RayPart part = part_from(ray, line);
-        line = part.next_line;
-        if (ray->row + sweep->share * part.to > (float)((int)sweep->rows - 3)) return 0;
-        if (top_over(ray, tops, &part) < ray->height + sweep->climb * part.from - sweep->margin) return -1;
-    }
-    return 0;
-}
-
-// 0: it stays open.
-static int walk_ray(const RasterRay* ray, __global const float* tops) {
-    __global const LightSweep* sweep = ray->sweep;
-    __global const SweepCrossing* first = &sweep->crossings[0];
-    if (ray->line + first->lines >= sweep->lines || ray->row < 1 || ray->row + first->rows > (int)sweep->rows - 2)
-        return 0;
-    float ground = first->share_low * ray->at[first->low] + first->share_high * ray->at[first->high] - first->climb;
-    if (ground < ray->height - sweep->near_margin) return walk_above(ray, tops);
-    return ground > ray->height + sweep->near_margin ? walk_below(ray, tops) : 0;
-}
-
-static RasterRay ray_of(__global const LightSweep* sweep, __global const float* heights, uint vertex) {
-    int column = (int)(vertex >> 16), row = (int)(vertex & 0xFFFFu);
-    RasterRay ray = {sweep, 0, sweep->is_along_y != 0u ? row : column, sweep->is_along_y != 0u ? column : row, 0.0f};
-    if (sweep->is_line_turned != 0u) ray.line = (int)sweep->lines - 1 - ray.line;
-    if (sweep->is_row_turned != 0u) ray.row = (int)sweep->rows - 1 - ray.row;
-    ray.at = heights + sweep->first + (long)ray.line * sweep->line_stride + ray.row;
-    ray.height = *ray.at;
-    return ray;
-}
-
-// Decides what the sweeps left open, ray by ray.
+// Decides what the sweeps left open, ray by ray. A GPU's work-group first lists those of its masks that have open
+// lights (`listed` has WALK_ROUNDS words for each item, and one), since few have: each of its items then walks.
 __kernel void sweeps_walk(const SweepParams params, __global const LightSweep* of_lights, __global const uint* vertices,
                           __global const float* heights, __global const float* tops, __global uint* masks,
-                          __global uint* lit GN_SHARES) {
-    GN_FOR_EACH_OF(i, GN_SHARED_RANGE(params.points.count * (size_t)params.bundle_count)) {
-        uint point = (uint)(i % params.points.count), bundle = (uint)(i / params.points.count);
-        size_t at = bundle * (size_t)params.mask_stride + point;
-        uint vertex = vertices[params.points.first / 3u + point], open = masks[at];
-        if (vertex == NO_VERTEX || open == 0u) continue;
-        uint decided = 0u, reached = 0u;
-        for (uint left = open; left != 0u;) {
-            uint l = take_lowest_bit(&left);
-            __global const LightSweep* sweep = &of_lights[bundle * MAX_BUNDLE_LIGHTS + l];
-            if (sweep->crossing_count == 0u) continue;
-            RasterRay ray = ray_of(sweep, heights, vertex);
-            int answer = walk_ray(&ray, tops);
-            if (answer != 0) decided |= 1u << l;
-            if (answer > 0) reached |= 1u << l;
-        }
-        masks[at] = open & ~decided;
-        lit[at] |= reached;
+                          __global uint* lit, __local uint* listed GN_SHARES) {
+    OpenPairs pairs = {of_lights, heights, tops, masks, lit};
+    uint points = params.points.count, first = params.points.first / 3u;
+    size_t count = points * (size_t)params.bundle_count;
+#ifdef GN_CPU
+    GN_FOR_EACH_OF(i, GN_SHARED_RANGE(count)) {
+        uint point = (uint)(i % points), bundle = (uint)(i / points), vertex = vertices[first + point];
+        size_t mask = bundle * (size_t)params.mask_stride + point;
+        if (masks[mask] != 0u && vertex != NO_VERTEX) walk_mask(&pairs, bundle, vertex, mask);
     }
     GN_END_SHARES;
+#else
+    uint item = (uint)get_local_id(0), items = (uint)get_local_size(0), window = WALK_ROUNDS * items;
+    __local uint* listed_count = listed + window;
+    for (size_t start = get_group_id(0) * (size_t)window; start < count; start += get_num_groups(0) * (size_t)window) {
+        if (item == 0u) *listed_count = 0u;
+        barrier(CLK_LOCAL_MEM_FENCE);
+        for (size_t i = start + item; i < min(start + window, count); i += items)
+            if (masks[i / points * params.mask_stride + i % points] != 0u)
+                listed[atomic_inc(listed_count)] = (uint)(i - start);
+        barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);  // all items have read the masks
+        for (uint k = item; k < *listed_count; k += items) {
+            size_t i = start + listed[k];
+            uint bundle = (uint)(i / points), vertex = vertices[first + (uint)(i % points)];
+            if (vertex != NO_VERTEX)
+                walk_mask(&pairs, bundle, vertex, bundle * (size_t)params.mask_stride + i % points);
+        }
+        barrier(CLK_LOCAL_MEM_FENCE);
+    }
+#endif
 }

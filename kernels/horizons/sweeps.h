@@ -27,8 +27,20 @@
 // What bounds across a strip are off by, in half ulps of the greatest height and of a ray's climb over all lines.
 #define SWEEP_HEIGHT_ROUNDINGS 128.0f
 #define SWEEP_CLIMB_ROUNDINGS 24.0f
-// A tile has so many lines and rows, and one more of each, which it shares with the next tile.
+// A tile has so many lines and rows, and one more of each, which it shares with the next tile. Its greatest height has
+// the sign of -1 if the tile or one of its neighbours has a hole, a square that lacks a triangle.
 #define RASTER_TILE 16
+// A word holds the answers of 16 pairs, bit k that pair k is lit and bit 16 + k that it stays open: on a CPU those of a
+// block of strips on one line, on a GPU, where a block is one strip, those of the strip on neighbouring lines.
+#ifdef __cplusplus
+namespace gnomon {
+constexpr uint sweep_lines_of_word(uint lanes) { return 16 / lanes; }
+}  // namespace gnomon
+#else
+#define SWEEP_LINES_OF_WORD (16u / GN_LANES)
+#endif
+// The masks that a GPU's work-group looks at, for each of its items, before it walks rays.
+#define WALK_ROUNDS 16u
 #define NO_VERTEX 0xFFFFFFFFu
 
 GN_STRUCT_BEGIN(RasterParams)
@@ -53,7 +65,7 @@ GN_STRUCT_BEGIN(RasterCopies)
     float lowest;       // which is subtracted from all heights
     uint first_top[4];  // of the greatest heights of tiles: tops[first_top + line of tiles * tops_of_line + tile]
     uint tops_of_line[4];
-    uint padding;
+    uint has_holes;
 GN_STRUCT_END(RasterCopies, 96)
 
 // Where a ray from a vertex meets an edge: between two vertices, at floats from the vertex's own.
@@ -86,22 +98,21 @@ GN_STRUCT_BEGIN(LightSweep)
     uint crossing_count;        // 0: the light has no sweep
     uint shift;                 // strip of a vertex: its row - its line's base - 1 + shift
     uint blocks;                // of GN_LANES strips
-    uint first_answer;  // answers[first_answer + line * blocks + block]: bit l: lit, bit 16 + l: open, of strip l
-    uint is_rising;     // of the copy's diagonals, as the light's rays go
+    uint first_answer;          // answers[first_answer + line / SWEEP_LINES_OF_WORD * blocks + block]
+    uint is_rising;             // of the copy's diagonals, as the light's rays go
     uint is_along_y, is_line_turned, is_row_turned;  // from column and row to line and row of the sweep
     float share;                                     // slope, as a float
-    uint first_base;                                 // bases[first_base + line] is base_at() of the line
     uint first_top, tops_of_line;                    // of the copy
     SweepEdges edges[3];                             // lines, rows, diagonals
-    uint padding;
-    SweepCrossing crossings[MAX_SWEEP_CROSSINGS];  // the nearest first
+    uint has_holes, padding;
+    SweepCrossing crossings[MAX_SWEEP_CROSSINGS];  // the nearest first; at a multiple of 16 bytes
 GN_STRUCT_END(LightSweep, 640)
 
 GN_STRUCT_BEGIN(SweepParams)
     PointsLayout points;  // of a part of the sorted points
     uint bundle_count, mask_stride;
-    uint task_count;  // of all sweeps
-    uint padding;
+    uint sweep_count;  // the lights that have a sweep
+    uint most_blocks;  // that one of them has
 GN_STRUCT_END(SweepParams, 64)
 
 #ifndef __cplusplus

@@ -168,6 +168,19 @@ TEST(LightsMethod, ACpuTakesSweepsForTheVerticesOfARaster) {
     }
 }
 
+TEST(LightsMethod, AGpuTakesSweepsForTheVerticesOfARaster) {
+    LightsTraits traits = large_run(false);
+    traits.points_at_vertices = traits.points;
+    traits.raster_vertices = traits.points * lights_tuning.gpu_vertices_of_point;
+    EXPECT_TRUE(gnomon::wants_raster(traits));
+    EXPECT_FALSE(gnomon::wants_height_field(traits));
+    expect_by_rule(traits, Method::sweeps);
+    ++traits.raster_vertices;
+    EXPECT_NE(choose_method(traits, {}), Method::sweeps);
+    traits.triangles = traits.points * traits.lights / lights_tuning.min_field_pairs_per_triangle;
+    EXPECT_TRUE(gnomon::wants_height_field(traits));
+}
+
 TEST(LightsMethod, ARasterIsSearchedForWhereItMayServe) {
     const auto wants = [](auto&& change) {
         LightsTraits traits = large_run(true);
@@ -177,17 +190,19 @@ TEST(LightsMethod, ARasterIsSearchedForWhereItMayServe) {
     constexpr std::size_t most = lights_tuning.cpu_triangles_per_pair;
     EXPECT_TRUE(wants([](LightsTraits& t) { t.triangles = most * t.points * t.lights; }));
     EXPECT_FALSE(wants([](LightsTraits& t) { t.triangles = most * (t.points * t.lights + 1); }));
-    EXPECT_FALSE(wants([](LightsTraits& t) { t.is_cpu = false; }));
     EXPECT_FALSE(wants([](LightsTraits& t) { t.is_picture = true; }));
     EXPECT_FALSE(wants([](LightsTraits& t) { t.are_point_lights = true; }));
     EXPECT_FALSE(wants([](LightsTraits& t) { t.can_be_bundled = false; }));
     EXPECT_FALSE(wants([](LightsTraits& t) { t.lights = 1; }));
     EXPECT_TRUE(wants([](LightsTraits& t) { t.lights = 1, t.keeps_clusters = true; }));
-    const auto pairs = [&](std::size_t count) {
-        return wants([&](LightsTraits& t) { t.points = count / t.lights, t.triangles = 2; });
-    };
-    EXPECT_TRUE(pairs(lights_tuning.min_raster_pairs));
-    EXPECT_FALSE(pairs(lights_tuning.min_raster_pairs - 16));
+    for (const bool is_cpu : {true, false}) {
+        const auto pairs = [&](std::size_t count) {
+            return wants([&](LightsTraits& t) { t.is_cpu = is_cpu, t.points = count / t.lights, t.triangles = 2; });
+        };
+        const std::size_t least = is_cpu ? lights_tuning.cpu_min_raster_pairs : lights_tuning.gpu_min_raster_pairs;
+        EXPECT_TRUE(pairs(least));
+        EXPECT_FALSE(pairs(least - 16));
+    }
 }
 
 TEST(LightsMethod, ACpuMeasuresWhatMayBeTheFastest) {

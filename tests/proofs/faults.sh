@@ -77,7 +77,7 @@ noticed horizons/sweeps.h 's/SWEEP_CROSSING_ERROR (14\.0f/SWEEP_CROSSING_ERROR (
 refused sweeps
 noticed horizons/sweeps.h 's/SWEEP_LOST 0x1p-77f/SWEEP_LOST 0x1p-78f/' sweeps.v
 refused sweeps
-noticed horizons/sweeps.cl 's/(a + share \* (b - a)) - climb/a + (share * (b - a) - climb/; s/climb \* farther;/climb * farther);/' sweeps.v
+noticed horizons/sweep_rays.clh 's/(a + share \* (b - a)) - climb/a + (share * (b - a) - climb/; s/climb \* farther;/climb * farther);/' sweeps.v
 noticed horizons/sweeps.h 's/ROUNDINGS 128\.0f/ROUNDINGS 90.0f/; s/ROUNDINGS 24\.0f/ROUNDINGS 14.0f/' sweeps.v
 refused sweeps
 noticed horizons/sweeps.cl 's/ends\[1\] - ends\[0\]/ends[0] - ends[1]/' sweeps.v

@@ -38,9 +38,10 @@ __kernel void probe(float share_low, float low, float share_high, float high, fl
     // Line 0, after line 1: rests and climbs are 0 there.
     __builtin_assume(light->lines == 2u), __builtin_assume(light->is_rising == 1u);
     __builtin_assume(light->first == 0u), __builtin_assume(light->line_stride == 4);
+    __builtin_assume(light->has_holes == 0u);
     SweepStrips strips = no_strips();
     strips.high.at[0] = before_low, strips.high.at[1] = before_high;
     strips.last.at[0] = last_low, strips.last.at[1] = last_high;
-    meet_line(&strips, copy, light, 0u, 1);
+    meet_line(&strips, copy, copy, light, 0u, 1);
     *kept_low = strips.high.at[0], *kept_high = strips.high.at[1];
 }

@@ -103,14 +103,14 @@ TracedBeams BeamStage::trace(const std::vector<std::uint32_t>& given, std::uint3
     session_.write(masks_.masks().get(), given.data(), given.size() * sizeof(std::uint32_t));
     session_.fill(masks_.counters(), 0, sizeof(gnomon::BeamCounters));
     gnomon::BeamParams params = params_of(queue_capacity);
-    const bool is_cpu = session_.is_cpu();
-    const std::size_t tasks = masks_.tasks_of(points_.count()), groups_of_points = is_cpu ? 1 : POINT_GROUPS_ON_GPU;
-    launch(params, method_ == BeamMethod::points ? tasks * groups_of_points : tasks, kernel_of(method_));
+    const std::size_t tasks = masks_.tasks_of(points_.count());
+    params.parts_of_task = session_.is_cpu() ? 1 : 4;
+    launch(params, method_ == BeamMethod::points ? tasks * params.parts_of_task : tasks, kernel_of(method_));
     TracedBeams traced;
     traced.counters = session_.read_value<gnomon::BeamCounters>(masks_.counters());
     params.listed_tasks = traced.counters.left_to_points;
     if (params.listed_tasks != 0) {
-        launch(params, params.listed_tasks * groups_of_points, kernel_of(BeamMethod::points));
+        launch(params, params.listed_tasks * params.parts_of_task, kernel_of(BeamMethod::points));
         traced.counters = session_.read_value<gnomon::BeamCounters>(masks_.counters());
     }
     traced.masks = downloaded<std::uint32_t>(session_, masks_.masks().get(), given.size());
