@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import functools
 from pathlib import Path
 from typing import NamedTuple
 
@@ -138,12 +139,20 @@ class Casters:
         heights = self.mosaic.heights(r0, r1, c0, c1)
         x, y = np.meshgrid(self.mosaic.x(c0, c1), self.mosaic.y(r0, r1))
         vertices = np.stack([x, y, heights], axis=-1).reshape(-1, 3)
-        faces = faces_of_grid(r1 - r0, c1 - c0)
+        faces = _faces_of_tile(r1 - r0, c1 - c0)
         has_data = ~np.isnan(vertices[:, 2])
         if not has_data.all():
             faces = faces[has_data[faces].all(axis=1)]
             vertices[~has_data, 2] = 0
         return vertices, faces
+
+
+@functools.lru_cache(maxsize=4)
+def _faces_of_tile(rows: int, columns: int) -> NDArray[np.int64]:
+    """faces_of_grid() of the few sizes that a raster's tiles have, not to be written."""
+    faces = faces_of_grid(rows, columns)
+    faces.flags.writeable = False
+    return faces
 
 
 def mesh_of(settings: Settings, name: str) -> MeshFile:

@@ -228,21 +228,17 @@ class Decider:
             return kept
         del kept
         self._kept = None  # frees its memory before the new scene takes some
-        vertices, faces, first = [np.empty((0, 3))], [np.empty((0, 3), np.int64)], 0
+        meshes = []
         for tile in tiles.tolist():
             try:
-                v, f = self._mesh(tile, curvature)
+                meshes.append(self._mesh(tile, curvature))
             except UnreadableError:
                 unread.append(tile)
-                continue
-            vertices.append(v)
-            faces.append(f + first)
-            first += len(v)
-        world, corners = np.concatenate(vertices), np.concatenate(faces)
-        boxes = np.stack([box_of(world), box_of(positions)])
+        boxes = np.stack([box_of(positions), *(box_of(vertices) for vertices, _ in meshes)])
         box = np.stack([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
         lattice = _gnomon.WorldLattice.around(box, self.exponent)
-        scene = Scene(np.take(lattice.snap(world)[0], corners, axis=0), device=self.device) if len(corners) else None
+        triangles = _snapped_triangles(meshes, lattice)
+        scene = Scene(triangles, device=self.device) if len(triangles) else None
         return _CasterScene(part, tiles, lattice, scene, lattice.snap(positions)[0])
 
     def _mesh(self, tile: int, curvature: Curvature) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
@@ -355,6 +351,19 @@ class Decider:
                 result[sun // 32, open_rows[meets_tile]] |= bit
                 open_rows = open_rows[~meets_tile]
         return result
+
+
+def _snapped_triangles(
+    meshes: list[tuple[NDArray[np.float64], NDArray[np.int64]]], lattice: _gnomon.WorldLattice
+) -> NDArray[np.float32]:
+    """(F, 3, 3): the triangles of meshes in a lattice. One mesh at a time, since pages that are touched for the first
+    time take as long as all else."""
+    ends = np.cumsum([0, *(len(faces) for _, faces in meshes)])
+    triangles = np.empty((ends[-1], 3, 3), np.float32)
+    for (vertices, faces), first in zip(meshes, ends[:-1], strict=True):
+        part = triangles[first : first + len(faces)]
+        np.take(lattice.snap(vertices)[0], faces, axis=0, out=part, mode="clip")  # "raise" would copy all of `part`
+    return triangles
 
 
 def _clear_others(lit: Planes, answer: LightsResult, suns: NDArray[np.int64], rows: NDArray[np.int64] | None) -> None:

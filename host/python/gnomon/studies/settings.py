@@ -108,7 +108,7 @@ class Settings:
     halo_limit: float | None = None
     memory_limit: int = 2 << 30
     tile: int = 512
-    caster_tile: int = 256
+    caster_tile: int = 128
     block: int = 384
     outputs: tuple[str, ...] = ("hours", "bits")
 
