@@ -231,9 +231,11 @@ def _cluster(names: list[str | None]) -> Any:
     from distributed import Nanny, Scheduler, SpecCluster
 
     cores = max(1, (os.cpu_count() or 1) // len(names))
+    # GDAL's own choice is a twentieth of the machine's memory in each process.
+    cache = os.environ.get("GDAL_CACHEMAX", "256")
     options = {}
     for i, name in enumerate(names):
-        env = {"POCL_MAX_PTHREAD_COUNT": str(cores)}
+        env = {"POCL_MAX_PTHREAD_COUNT": str(cores), "GDAL_CACHEMAX": cache}
         device_env = {"GNOMON_DEVICE": name} if name else {}
         options[i] = {
             "cls": Nanny,
