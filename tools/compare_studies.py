@@ -4,13 +4,14 @@
 
     pip install '.[pocl,study]' solweig horayzon-extpar numpy cython 'setuptools<80'
     pip install --no-build-isolation topocalc
-    python tools/compare_studies.py [--cells 500] [--suns 40] [--only gnomon,horayzon,topocalc,solweig]
+    python tools/compare_studies.py [--cells 500] [--suns 40] [--only gnomon,horayzon,topocalc,solweig] [--share]
 
 Two DSMs: a made town in cells of 1 m with a tower, and a real one, the Jacksboro fault in Tennessee (USGS, public
 domain), which matplotlib ships: its heights, in whole metres, on square cells of 80 m. Suns from 3 degrees up. Printed:
 seconds and processor seconds of each, cells that differ from gnomon's, and what rational arithmetic
 (tests/python/oracle.py) says of some of these and of cells drawn at random, on the surface that gnomon states,
-triangles between the cells' centres. A package that is not installed is left out.
+triangles between the cells' centres; not of DSMs of more than a million cells. A package that is not installed is left
+out. --share: how many of the study's processor seconds are those of the library's calls, in a run with one thread.
 
 HORAYZON (horayzon-extpar) gets these very triangles, on a sphere so large that it is a plane; it finds the horizon by
 rays of Embree. topocalc's horizon turns the raster by whole columns to the sun's azimuth and compares heights along
@@ -25,18 +26,21 @@ import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import gnomon
+import gnomon.studies
 import numpy as np
+from gnomon.studies import decide, runner
 
 sys.path[:0] = [str(Path(__file__).parents[1] / "tests/python"), str(Path(__file__).parents[1] / "tests/python/study")]
 from gnomon.studies.rasters import faces_of_grid  # noqa: E402
-from made import bits, exactly_lit, snapped, triangles_of, write_raster, write_suns  # noqa: E402
+from made import bits, exactly_lit, replaced, snapped, triangles_of, write_raster, write_suns  # noqa: E402
 
 WEST, NORTH = 512_000.0, 5_002_400.0
 DRAWN = 30
 ACCURACY = 0.05  # degrees, of HORAYZON
+MOST_CHECKED = 1_000_000  # cells
 
 
 class Dsm(NamedTuple):
@@ -68,12 +72,18 @@ def jacksboro() -> Dsm:
 # ---- Contestants: answers (M, R, C) ----------------------------------------------------------------------------------
 
 
+def run_study(folder: Path, dsm: Dsm, suns: Suns) -> tuple[gnomon.studies.Study, float]:
+    """A study, and its processor seconds."""
+    raster = write_raster(folder / "dsm.tif", dsm.heights, cell=dsm.cell, west=WEST, north=NORTH)
+    table = write_suns(folder / "suns.csv", suns)
+    start = time.process_time()
+    study = gnomon.study(folder / "study", raster=raster, directions=table, outputs=["bits"])
+    return study, time.process_time() - start
+
+
 def of_gnomon(dsm: Dsm, suns: Suns) -> np.ndarray:
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        raster = write_raster(folder / "dsm.tif", dsm.heights, cell=dsm.cell, west=WEST, north=NORTH)
-        table = write_suns(folder / "suns.csv", suns)
-        return bits(gnomon.study(folder / "study", raster=raster, directions=table, outputs=["bits"]))
+    with tempfile.TemporaryDirectory() as folder:
+        return bits(run_study(Path(folder), dsm, suns)[0])
 
 
 def of_solweig(dsm: Dsm, suns: Suns) -> np.ndarray:
@@ -124,8 +134,34 @@ def timed(find: Callable[[Dsm, Suns], np.ndarray], dsm: Dsm, suns: Suns) -> tupl
     return answers, time.perf_counter() - start, time.process_time() - busy
 
 
+class WatchedScene(gnomon.Scene):
+    """Adds up the processor seconds of a study's calls of the library."""
+
+    seconds = 0.0
+
+    def __init__(self, *arguments: Any, **more: Any) -> None:
+        start = time.process_time()
+        super().__init__(*arguments, **more)
+        WatchedScene.seconds += time.process_time() - start
+
+    def lit_by(self, *arguments: Any, **more: Any) -> gnomon.LightsResult:
+        start = time.process_time()
+        result = super().lit_by(*arguments, **more)
+        WatchedScene.seconds += time.process_time() - start
+        return result
+
+
+def print_share(dsm: Dsm, suns: Suns) -> None:
+    with replaced(runner, "THREADS", 1), replaced(decide, "Scene", WatchedScene):
+        of_gnomon(Dsm(dsm.name, dsm.heights[:64, :64], dsm.cell), suns)
+        WatchedScene.seconds = 0.0
+        with tempfile.TemporaryDirectory() as folder:
+            busy, calls = run_study(Path(folder), dsm, suns)[1], WatchedScene.seconds
+    print(f"gnomon: {busy:.2f} processor seconds are {busy / calls:.3f} times the {calls:.2f} of the library's calls")
+
+
 def compare(dsm: Dsm, suns: Suns, names: list[str]) -> None:
-    print(f"== {dsm.name}: {dsm.heights.size:,} cells of {dsm.cell:g} m x {len(suns)} suns")
+    print(f"== {dsm.name}: {dsm.heights.size:,} cells of {dsm.cell:g} m x {len(suns)} suns", flush=True)
     answers = {}
     for name in names:
         try:
@@ -133,8 +169,12 @@ def compare(dsm: Dsm, suns: Suns, names: list[str]) -> None:
         except ImportError as error:
             print(f"{name}: left out ({error})")
             continue
-        print(f"{name}: {took:.2f} s, {busy:.2f} processor seconds, {answers[name].mean():.2%} lit")
+        print(f"{name}: {took:.2f} s, {busy:.2f} processor seconds, {answers[name].mean():.2%} lit", flush=True)
     ours = answers.pop("gnomon")
+    if dsm.heights.size > MOST_CHECKED:
+        for name, theirs in answers.items():
+            print(f"{name}: {(ours != theirs).mean():.4%} differ")
+        return
     triangles, vertices = triangles_of(dsm.heights, dsm.cell, WEST, NORTH)
     triangles, vertices = snapped(triangles), snapped(vertices)
     a, e = np.radians(np.array(suns)).T
@@ -163,12 +203,18 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--cells", type=int, default=500, help="of the town, on a side")
     parser.add_argument("--suns", type=int, default=40)
+    parser.add_argument("--scenes", default="town,jacksboro")
+    parser.add_argument("--share", action="store_true", help="measure the share of the library's calls alone")
     parser.add_argument("--only", default=",".join(CONTESTANTS), help="contestants, gnomon among them")
     options = parser.parse_args()
     n = max(options.suns // 2, 1) * 2  # on evenly spaced azimuths from the east to the west
     suns = [(90 + 180 * (i + 0.5) / n, 3 + 50 * np.sin(np.pi * (i + 0.5) / n)) for i in range(n)]
-    for dsm in (town(options.cells), jacksboro()):
-        compare(dsm, suns, options.only.split(","))
+    for scene in options.scenes.split(","):
+        dsm = town(options.cells) if scene == "town" else jacksboro()
+        if options.share:
+            print_share(dsm, suns)
+        else:
+            compare(dsm, suns, options.only.split(","))
 
 
 if __name__ == "__main__":
