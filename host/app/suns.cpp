@@ -173,7 +173,7 @@ SunTable read_suns(const std::filesystem::path& file, double north_degrees) {
                                       : travel_direction(*sun.azimuth_degrees, *sun.elevation_degrees, north_degrees);
         table.suns.push_back(std::move(sun));
     }
-    if (rows.has("weight")) rows.require_data({"weight"});
+    if (rows.has("weight")) rows.require_weights("weight");
     return table;
 }
 

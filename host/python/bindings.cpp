@@ -19,6 +19,7 @@
 #include "height_steps.hpp"
 #include "lights/whole_weights.hpp"
 #include "lit_fractions.hpp"
+#include "scene/no_data.hpp"
 #include "scene/number_table.hpp"
 #include "sight/height_grid.hpp"
 
@@ -765,6 +766,20 @@ void bind_scenes(nb::module_& m) {
 void bind_scenes(nb::module_&) {}
 #endif
 
+template <typename Value>
+void bind_absent_places(nb::module_& m) {
+    using Rows = nb::ndarray<const Value, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+    m.def(
+        "first_absent_place",
+        [](const Rows& rows) -> std::optional<std::size_t> {
+            const auto found = gnomon::scene::first_absent_place<Value>(span_of(rows), rows.shape(1));
+            return found ? std::optional(found->row) : std::nullopt;
+        },
+        "rows"_a.noconvert(),
+        "The first of the rows (N, C) of coordinates with one that stands for no data, or None. Source: "
+        "scene/no_data.hpp.");
+}
+
 void bind_tables(nb::module_& m) {
     using gnomon::scene::NumberTable;
     nb::class_<NumberTable>(m, "NumberTable")
@@ -785,12 +800,18 @@ void bind_tables(nb::module_& m) {
              [](const NumberTable& table, std::string_view name) { return row_of(table.float_numbers(name)); })
         .def("refuse", &NumberTable::refuse)
         .def("require", &NumberTable::require)
-        .def("require_data", &NumberTable::require_data)
+        .def("require_places", &NumberTable::require_places)
+        .def("require_weights", &NumberTable::require_weights)
         .def("require_degrees", &NumberTable::require_degrees);
+    namespace scene = gnomon::scene;
+    m.attr("no_data") = std::vector<double>(scene::no_data.begin(), scene::no_data.end());
+    m.attr("no_data_beside_places") =
+        std::vector<double>(scene::no_data_beside_places.begin(), scene::no_data_beside_places.end());
     m.def(
-        "first_no_data", [](const Doubles& rows) { return gnomon::scene::first_no_data(span_of(rows), rows.shape(1)); },
-        "rows"_a,
-        "The first of the rows (N, C) that stands for no data, or None. Source: gnomon::scene::first_no_data().");
+        "first_absent_weight", [](const Doubles& weights) { return scene::first_absent_weight(span_of(weights)); },
+        "weights"_a, "The first of the weights (N,) that stands for no data, or None. Source: scene/no_data.hpp.");
+    bind_absent_places<float>(m);
+    bind_absent_places<double>(m);
 }
 
 // Each C++ exception becomes the Python exception that its reader expects; the texts are the same.
@@ -812,6 +833,9 @@ void bind_errors(nb::module_& m) {
 #endif
         }
     });
+#ifdef GNOMON_PYTHON_GLTF
+    nb::exception<gnomon::scene::NoDataError>(m, "NoDataError", PyExc_ValueError);
+#endif
 }
 
 }  // namespace

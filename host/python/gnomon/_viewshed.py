@@ -218,7 +218,7 @@ def _checked(values: NDArray[Any], nodata: float | None) -> NDArray[Any]:
         return np.where(is_there, values, np.array(np.nan, real)).astype(_real_of(real), copy=False)
     if values.dtype in (np.float32, np.float64):
         low, high = _gnomon.range_of_heights(np.ascontiguousarray(values))
-        if low > _arrays.NO_HEIGHTS_ALONE[0] and high < 32767:
+        if low > -99 and high < 9999:
             return values  # no height is one that stands for no data
     _arrays.require_heights(values, np.ones(values.shape, bool), "nodata={}")
     return values.astype(_real_of(values.dtype), copy=False)
@@ -415,9 +415,7 @@ def _observers_of(observers: Any) -> NDArray[np.float64]:
     if places.ndim != 2 or places.shape[1] != 2:
         raise ValueError(f"observers: shape {places.shape} is not (M, 2), x and y of each observer")
     _arrays.require_real(places, "observers")
-    row = _arrays.first_row(~np.isfinite(places).all(axis=1))
-    if row is not None:
-        raise ValueError(f"observers: row {row} {places[row].tolist()} is not finite")
+    _arrays.require_places(places, "observers")
     return places.astype(np.float64)
 
 

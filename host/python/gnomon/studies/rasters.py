@@ -24,7 +24,7 @@ class UnreadableError(OSError):
 
 
 class UndeclaredNoDataError(ValueError):
-    """A raster has a value that no ground has, and does not declare that it stands for no data."""
+    """A raster or a mesh has a value that no ground has, and does not declare that it stands for no data."""
 
 
 class _File(NamedTuple):
