@@ -483,14 +483,20 @@ void bind_lattice(nb::module_& m) {
 void bind_lit_fractions(nb::module_& m) {
     m.def("lit_fractions",
           [](const Integers& triangles, const Integers& face, std::uint32_t faces, const Floats& towards, double within,
-             std::uint64_t limit, unsigned threads, bool centroids) {
+             std::uint64_t limit, unsigned threads, bool centroids, bool is_main) {
+              const auto goes_on = [is_main] {  // signals are the main thread's
+                  if (!is_main) return true;
+                  const nb::gil_scoped_acquire held;
+                  return PyErr_CheckSignals() == 0;
+              };
               using Triangle = gnomon::python::LatticeTriangle;
               static_assert(sizeof(Triangle) == 9 * sizeof(std::int32_t));
               const std::span corners(reinterpret_cast<const Triangle*>(triangles.data()), triangles.size() / 9);
               gnomon::python::LitFractions found = released([&] {
                   return gnomon::python::lit_fractions(corners, span_of(face), faces, span_of(towards),
-                                                       {within, limit, threads, centroids});
+                                                       {within, limit, threads, centroids, goes_on});
               });
+              if (PyErr_Occurred()) throw nb::python_error();
               const std::size_t lights = towards.size() / 3;
               std::vector<std::size_t> shape{lights, faces};
               auto low = numpy_of(std::move(found.low), shape), high = numpy_of(std::move(found.high), shape);

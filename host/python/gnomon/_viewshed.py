@@ -239,6 +239,7 @@ def rounded_ground(
     refraction: float | None = REFRACTION,
     radius: float = EARTH_RADIUS,
     lattice: float | None = None,
+    are_metres: bool = False,
 ) -> _Ground:
     """The raster of a ViewshedGrid, on the host. Raises ValueError with the argument's name."""
     values = np.asarray(_arrays.on_host(heights, "heights"))
@@ -259,7 +260,28 @@ def rounded_ground(
     rows = _axis_of(y, values.shape[0], "y", -float(depth))
     heights = np.ascontiguousarray(_turned(_checked(values, nodata), rows, columns))
     per_square = 0.0 if refraction is None else per_square_of(refraction, radius)
-    return _Ground(heights, rows, columns, per_square, lattice)
+    ground = _Ground(heights, rows, columns, per_square, lattice)
+    if not are_metres:
+        _require_no_degrees(ground, heights)
+    return ground
+
+
+def _require_no_degrees(ground: _Ground, heights: NDArray[Any]) -> None:
+    """Raises ValueError if the cells fit longitudes and latitudes, and must be degrees: they are below a centimetre, or
+    at more than half of them the ground would rise by 100 times the way to the next cell."""
+    x, y = ground.columns.places(), ground.rows.places()
+    width, depth = ground.columns.step, -ground.rows.step
+    if np.abs(x).max() > 361 or np.abs(y).max() > 91:
+        return
+    some = heights[:: 1 + heights.shape[0] // 512]
+    rises = np.abs(np.diff(some, axis=1))
+    rises = rises[np.isfinite(rises)]
+    if min(width, depth) >= 0.01 and not (rises.size and (rises > 100 * width).mean() > 0.5):
+        return
+    raise ValueError(
+        f"heights: the cells, {width:g} wide, look like degrees: warp the raster to a map in metres first, UTM or a "
+        "national grid; if they are metres, say are_metres=True"
+    )
 
 
 class ViewshedGrid:
@@ -267,7 +289,7 @@ class ViewshedGrid:
 
     heights: (R, C), metres; NaN, infinite and masked cells have no data. x, y: (C,), (R,): the cells' centres, equally
     spaced, in either direction; or cell: the cells' size, a number or (width, depth), with row 0 in the north and the
-    centre of the south-westernmost cell at 0, 0.
+    centre of the south-westernmost cell at 0, 0. are_metres: the cells are metres, however much they look like degrees.
     """
 
     def __init__(
@@ -281,11 +303,13 @@ class ViewshedGrid:
         refraction: float | None = REFRACTION,
         radius: float = EARTH_RADIUS,
         lattice: float | None = None,
+        are_metres: bool = False,
         device: str | Device | None = None,
     ) -> None:
         self._ground = rounded_ground(
-            heights, x=x, y=y, cell=cell, nodata=nodata, refraction=refraction, radius=radius, lattice=lattice
-        )
+            heights, x=x, y=y, cell=cell, nodata=nodata, refraction=refraction, radius=radius, lattice=lattice,
+            are_metres=are_metres,
+        )  # fmt: skip
         self._device = device_of(device)
         self._native = self._uploaded(self._ground.steps)
         self._filled = functools.lru_cache(maxsize=1)(lambda outside: self._uploaded(self._ground.filled(outside)))
@@ -434,6 +458,7 @@ def viewshed(
     refraction: float | None = REFRACTION,
     radius: float = EARTH_RADIUS,
     lattice: float | None = None,
+    are_metres: bool = False,
     bits: bool = False,
     progress: Callable[[float], object] | None = None,
     device: str | Device | None = None,
@@ -444,7 +469,7 @@ def viewshed(
     north-east, as in gnomon.study(). A cell is seen if all of the open line between it and the observer's eye that lies
     over the ground is strictly above it.
 
-    heights, x, y, cell: the raster, in metres (ViewshedGrid). observers: (M, 2), x and y, rounded to 1/256 of a cell.
+    heights, x, y, cell, are_metres: the raster, in metres (ViewshedGrid). observers: (M, 2), x and y, rounded to 1/256 of a cell.
     height: of eyes above the ground below them, which is rounded up; above 0. target_height: of what is looked at above
         the cells. distance: cells farther away (on the map) are not seen. Each a number, or one for each observer.
     nodata: a value of cells without data, beside NaN, masks and what a DataArray declares. Nothing stands there, unless
@@ -462,7 +487,7 @@ def viewshed(
     """
     grid = ViewshedGrid(
         heights, x=x, y=y, cell=cell, nodata=nodata, refraction=refraction, radius=radius, lattice=lattice,
-        device=device,
+        are_metres=are_metres, device=device,
     )  # fmt: skip
     return grid.viewshed(
         observers, height=height, target_height=target_height, distance=distance, outside=outside, bits=bits,

@@ -69,7 +69,7 @@ class GnomonAccessor:
         _require_metres(dem, x, y)
 
         def layers(heights: NDArray[np.float64]) -> NDArray[np.float32]:
-            grid = ViewshedGrid(heights, x=x, y=y, refraction=refraction, radius=radius)
+            grid = ViewshedGrid(heights, x=x, y=y, refraction=refraction, radius=radius, are_metres=True)
             found = grid.viewshed(
                 observers, height=height, target_height=target_height, distance=distance, outside=outside
             )
