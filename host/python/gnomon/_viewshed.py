@@ -469,9 +469,10 @@ def viewshed(
     north-east, as in gnomon.study(). A cell is seen if all of the open line between it and the observer's eye that lies
     over the ground is strictly above it.
 
-    heights, x, y, cell, are_metres: the raster, in metres (ViewshedGrid). observers: (M, 2), x and y, rounded to 1/256 of a cell.
-    height: of eyes above the ground below them, which is rounded up; above 0. target_height: of what is looked at above
-        the cells. distance: cells farther away (on the map) are not seen. Each a number, or one for each observer.
+    heights, x, y, cell, are_metres: the raster, in metres (ViewshedGrid). observers: (M, 2), x and y, rounded to 1/256
+        of a cell. height: of eyes above the ground below them, which is rounded up; above 0. target_height: of what is
+        looked at above the cells. distance: cells farther away (on the map) are not seen. Each a number, or one for
+        each observer.
     nodata: a value of cells without data, beside NaN, masks and what a DataArray declares. Nothing stands there, unless
     outside: the greatest height of what may stand there. What is seen past it alone is then undecided.
     refraction: k: the ground sinks with the squared distance d by d^2 (1 - k) / 2 radius, 1/7 as GDAL has it; None: the
