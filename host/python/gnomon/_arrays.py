@@ -297,11 +297,30 @@ def _three_of(names: Any, of_one: str) -> list[Any] | None:
     return None
 
 
+def _labelled(array: Any, name: str) -> Any:
+    """An xarray.DataArray with a dimension whose labels are x, y and z: with them in this order, along the last axis.
+    Other objects stay as they are."""
+    for dim in array.dims if hasattr(array, "dims") and hasattr(array, "sel") and hasattr(array, "transpose") else ():
+        labels = array.coords[dim].values.tolist() if dim in array.coords else []
+        if labels and all(isinstance(one, str) for one in labels) and (three := _three_of(labels, name)):
+            return array.sel({dim: three}).transpose(..., dim)
+    return array
+
+
 def columns_of(array: Any, name: str) -> Any:
-    """Of a table or a structured array the columns x, y and z, of normals nx, ny and nz too, wherever they stand. Other
-    objects stay as they are, and so does a table whose columns have no names."""
-    names = getattr(getattr(array, "dtype", None), "names", None)
-    names = getattr(array, "columns", None) if names is None else names
+    """Of a table, an xarray.Dataset or a structured array the columns x, y and z, of normals nx, ny and nz too,
+    wherever they stand; of a DataArray the labels. Other objects stay as they are, and so does a table whose columns
+    have no names."""
+    array = _labelled(array, name)
+    for part in ("points", "vertices"):
+        if not isinstance(array, np.ndarray) and not hasattr(array, "__array__") and hasattr(array, part):
+            raise TypeError(f"{name}: {type(array).__name__} is no array: give its {part}, numpy.asarray(it.{part})")
+    if hasattr(array, "data_vars"):
+        array = {str(key): value for key, value in array.data_vars.items()}
+        names: Any = list(array)
+    else:
+        names = getattr(getattr(array, "dtype", None), "names", None)
+        names = getattr(array, "columns", None) if names is None else names
     if names is None or callable(names) or not all(isinstance(one, str) for one in names):
         return array
     three = _three_of(names, name)
