@@ -793,8 +793,9 @@ void bind_tables(nb::module_& m) {
             "__init__",
             [](NumberTable* table, const nb::bytes& text, const std::string& file,
                const std::vector<std::vector<std::string>>& unnamed, bool are_points) {
-                gnomon::scene::TableColumns columns{unnamed};
-                if (are_points) columns.other_names = gnomon::scene::point_headings();
+                namespace scene = gnomon::scene;
+                const scene::TableColumns columns{unnamed,
+                                                  are_points ? scene::point_headings() : scene::sun_headings()};
                 new (table) NumberTable(std::string_view(text.c_str(), text.size()), file, columns);
             },
             "text"_a, "file"_a, "unnamed"_a, "are_points"_a)

@@ -229,6 +229,8 @@ std::map<std::string, std::string> point_headings() {
             {"height", "z"},  {"elevation", "z"}, {"altitude", "z"}};
 }
 
+std::map<std::string, std::string> sun_headings() { return {{"weights", "weight"}}; }
+
 NumberTable::NumberTable(std::string_view text, std::string file, const TableColumns& columns)
     : file_(std::move(file)) {
     require_text(text, file_);

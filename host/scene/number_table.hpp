@@ -22,6 +22,8 @@ struct TableColumns {
 
 /// What surveyors call the coordinates of points.
 std::map<std::string, std::string> point_headings();
+/// Of tables of suns and of weights.
+std::map<std::string, std::string> sun_headings();
 
 /// Named columns of a CSV text, in any order. Columns are separated by commas, semicolons, tabs or blanks, whichever
 /// the first line has; cells may stand in quotes, also over several lines. Empty lines, and lines that begin with #, do

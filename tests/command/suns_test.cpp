@@ -162,7 +162,7 @@ TEST_F(Suns, TablesOfAllKinds) {
     EXPECT_EQ(bare.suns[0].weight, 1);
     EXPECT_EQ(read_suns(file("0,-1,0,2.5\n"), 0).suns[0].weight, 2.5f);
     const SunTable angles =
-        read_suns(file("weight,elevation,note,azimuth\r\n1,45,\"a\",90\r\n2,-3,b,0\r\n0.5,0,c,0\r\n"), 0);
+        read_suns(file("Weights,elevation,note,azimuth\r\n1,45,\"a\",90\r\n2,-3,b,0\r\n0.5,0,c,0\r\n"), 0);
     ASSERT_EQ(angles.suns.size(), 1u);
     EXPECT_EQ(angles.below_horizon, 2u);
     EXPECT_EQ(angles.suns[0].direction, travel_direction(90, 45, 0));

@@ -312,11 +312,18 @@ def test_records_of_a_npy_file_go_by_their_names(tmp_path):
 
 @pytest.mark.parametrize("text", [
     "0\n1\n2\n", "dni\n0\n1\n2\n", "Direct normal [W/m2]\n0\n1\n2\n", "time,Weight\n10:00,0\n11:00,1\n12:00,2\n",
-    '\ufeff"DNI"\r\n0\r\n1\r\n2\r\n', "weight;note\n0;a\n1;b\n2;c\n",
+    "time,Weights\n10:00,0\n11:00,1\n12:00,2\n", '\ufeff"DNI"\r\n0\r\n1\r\n2\r\n', "weight;note\n0;a\n1;b\n2;c\n",
 ])  # fmt: skip
 def test_weights_keep_their_hours(tmp_path, text):
     (tmp_path / "w.csv").write_text(text, newline="", encoding="utf-8")
     assert read_weights(str(tmp_path / "w.csv"), 3).tolist() == [0, 1, 2]
+
+
+@pytest.mark.parametrize("heading", ["weight", "Weights", "WEIGHT [kWh]"])
+def test_weights_of_suns_by_their_heading(tmp_path, heading):
+    (tmp_path / "suns.csv").write_text(f"azimuth,elevation,{heading}\n180,45,2.5\n170,-3,9\n")
+    table = read_suns(str(tmp_path / "suns.csv"))
+    assert table.weights.tolist() == [2.5] and table.below_horizon == 1
 
 
 def test_a_polar_night_has_no_hours(tmp_path):
