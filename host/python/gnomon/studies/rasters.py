@@ -210,6 +210,12 @@ def _checked(name: str) -> Any:
         raise ValueError(
             f"{name}: its first band is no band of heights ({interpretation}, {data.dtypes[0]}; {data.count} in all)"
         )
+    if not (np.isfinite([data.scales[0], data.offsets[0]]).all() and data.scales[0]):
+        raise ValueError(
+            f"{name}: its values times its scale of {data.scales[0]:g} plus its offset of {data.offsets[0]:g} are no "
+            f"heights: give it others, as in: with rasterio.open({name!r}, 'r+') as file: "
+            f"file.scales, file.offsets = {(1.0,) * data.count}, {(0.0,) * data.count}"
+        )
     if data.crs is None:
         _require_no_degrees(name, data)
     return data
