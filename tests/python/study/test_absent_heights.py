@@ -81,6 +81,16 @@ def test_declared(carrier, tmp_path):
     assert is_absent(hours(tmp_path, raster))
 
 
+def test_a_hole_in_low_ground(tmp_path):
+    """Its corners are no vertices at height 0, which would stand 300 m above the ground."""
+    heights = np.full((24, 24), -300, "float32")
+    heights[HOLE] = -9999
+    raster = write(tmp_path / "dsm.tif", -9999, "float32", -9999)
+    with rasterio.open(raster, "r+") as file:
+        file.write(heights, 1)
+    assert is_absent(hours(tmp_path, raster))
+
+
 def test_declared_elsewhere(tmp_path):
     """In a file beside the raster, and in a VRT around it."""
     raster = write(tmp_path / "dsm.tif", -9999, "float32")

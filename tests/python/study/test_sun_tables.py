@@ -321,7 +321,7 @@ def test_weights_keep_their_hours(tmp_path, text):
 
 @pytest.mark.parametrize("heading", ["weight", "Weights", "WEIGHT [kWh]"])
 def test_weights_of_suns_by_their_heading(tmp_path, heading):
-    (tmp_path / "suns.csv").write_text(f"azimuth,elevation,{heading}\n180,45,2.5\n170,-3,9\n")
+    (tmp_path / "suns.csv").write_text(f"azimuth,elevation,{heading}\n170,-3,9\n180,45,2.5\n")
     table = read_suns(str(tmp_path / "suns.csv"))
     assert table.weights.tolist() == [2.5] and table.below_horizon == 1
 
