@@ -33,7 +33,7 @@ OwnPoints read_points(const std::filesystem::path& file, const scene::Extent& ex
     const scene::NumberTable rows(table_file_text(file), file.string(), {{positions, all}, scene::point_headings()});
     rows.require(positions, "points need the columns x, y, z, and nx, ny, nz for the side that they face");
     if (rows.rows() == 0) throw Error(file.string() + " has no points");
-    rows.require_data(positions);
+    rows.require_places(positions);
     const bool has_normals = rows.has("nx") && rows.has("ny") && rows.has("nz");
     OwnPoints points;
     for (std::size_t row = 0; row < rows.rows(); ++row) {

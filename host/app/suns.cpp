@@ -148,7 +148,8 @@ SunTable suns_of_place(const SunsOfPlace& place, double north_degrees) {
 }
 
 SunTable read_suns(const std::filesystem::path& file, double north_degrees) {
-    const NumberTable rows(table_file_text(file), file.string(), {{{"x", "y", "z"}, {"x", "y", "z", "weight"}}});
+    const NumberTable rows(table_file_text(file), file.string(),
+                           {{{"x", "y", "z"}, {"x", "y", "z", "weight"}}, scene::sun_headings()});
     const bool has_direction = rows.has("x") && rows.has("y") && rows.has("z");
     const bool has_angles = rows.has("azimuth") && rows.has("elevation");
     if (!has_direction && !has_angles)
@@ -173,7 +174,7 @@ SunTable read_suns(const std::filesystem::path& file, double north_degrees) {
                                       : travel_direction(*sun.azimuth_degrees, *sun.elevation_degrees, north_degrees);
         table.suns.push_back(std::move(sun));
     }
-    if (rows.has("weight")) rows.require_data({"weight"});
+    if (rows.has("weight")) rows.require_weights("weight");
     return table;
 }
 

@@ -19,6 +19,7 @@
 #include "height_steps.hpp"
 #include "lights/whole_weights.hpp"
 #include "lit_fractions.hpp"
+#include "scene/no_data.hpp"
 #include "scene/number_table.hpp"
 #include "sight/height_grid.hpp"
 
@@ -482,14 +483,20 @@ void bind_lattice(nb::module_& m) {
 void bind_lit_fractions(nb::module_& m) {
     m.def("lit_fractions",
           [](const Integers& triangles, const Integers& face, std::uint32_t faces, const Floats& towards, double within,
-             std::uint64_t limit, unsigned threads, bool centroids) {
+             std::uint64_t limit, unsigned threads, bool centroids, bool is_main) {
+              const auto goes_on = [is_main] {  // signals are the main thread's
+                  if (!is_main) return true;
+                  const nb::gil_scoped_acquire held;
+                  return PyErr_CheckSignals() == 0;
+              };
               using Triangle = gnomon::python::LatticeTriangle;
               static_assert(sizeof(Triangle) == 9 * sizeof(std::int32_t));
               const std::span corners(reinterpret_cast<const Triangle*>(triangles.data()), triangles.size() / 9);
               gnomon::python::LitFractions found = released([&] {
                   return gnomon::python::lit_fractions(corners, span_of(face), faces, span_of(towards),
-                                                       {within, limit, threads, centroids});
+                                                       {within, limit, threads, centroids, goes_on});
               });
+              if (PyErr_Occurred()) throw nb::python_error();
               const std::size_t lights = towards.size() / 3;
               std::vector<std::size_t> shape{lights, faces};
               auto low = numpy_of(std::move(found.low), shape), high = numpy_of(std::move(found.high), shape);
@@ -765,6 +772,20 @@ void bind_scenes(nb::module_& m) {
 void bind_scenes(nb::module_&) {}
 #endif
 
+template <typename Value>
+void bind_absent_places(nb::module_& m) {
+    using Rows = nb::ndarray<const Value, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+    m.def(
+        "first_absent_place",
+        [](const Rows& rows) -> std::optional<std::size_t> {
+            const auto found = gnomon::scene::first_absent_place<Value>(span_of(rows), rows.shape(1));
+            return found ? std::optional(found->row) : std::nullopt;
+        },
+        "rows"_a.noconvert(),
+        "The first of the rows (N, C) of coordinates with one that stands for no data, or None. Source: "
+        "scene/no_data.hpp.");
+}
+
 void bind_tables(nb::module_& m) {
     using gnomon::scene::NumberTable;
     nb::class_<NumberTable>(m, "NumberTable")
@@ -772,8 +793,9 @@ void bind_tables(nb::module_& m) {
             "__init__",
             [](NumberTable* table, const nb::bytes& text, const std::string& file,
                const std::vector<std::vector<std::string>>& unnamed, bool are_points) {
-                gnomon::scene::TableColumns columns{unnamed};
-                if (are_points) columns.other_names = gnomon::scene::point_headings();
+                namespace scene = gnomon::scene;
+                const scene::TableColumns columns{unnamed,
+                                                  are_points ? scene::point_headings() : scene::sun_headings()};
                 new (table) NumberTable(std::string_view(text.c_str(), text.size()), file, columns);
             },
             "text"_a, "file"_a, "unnamed"_a, "are_points"_a)
@@ -785,12 +807,18 @@ void bind_tables(nb::module_& m) {
              [](const NumberTable& table, std::string_view name) { return row_of(table.float_numbers(name)); })
         .def("refuse", &NumberTable::refuse)
         .def("require", &NumberTable::require)
-        .def("require_data", &NumberTable::require_data)
+        .def("require_places", &NumberTable::require_places)
+        .def("require_weights", &NumberTable::require_weights)
         .def("require_degrees", &NumberTable::require_degrees);
+    namespace scene = gnomon::scene;
+    m.attr("no_data") = std::vector<double>(scene::no_data.begin(), scene::no_data.end());
+    m.attr("no_data_beside_places") =
+        std::vector<double>(scene::no_data_beside_places.begin(), scene::no_data_beside_places.end());
     m.def(
-        "first_no_data", [](const Doubles& rows) { return gnomon::scene::first_no_data(span_of(rows), rows.shape(1)); },
-        "rows"_a,
-        "The first of the rows (N, C) that stands for no data, or None. Source: gnomon::scene::first_no_data().");
+        "first_absent_weight", [](const Doubles& weights) { return scene::first_absent_weight(span_of(weights)); },
+        "weights"_a, "The first of the weights (N,) that stands for no data, or None. Source: scene/no_data.hpp.");
+    bind_absent_places<float>(m);
+    bind_absent_places<double>(m);
 }
 
 // Each C++ exception becomes the Python exception that its reader expects; the texts are the same.
@@ -812,6 +840,9 @@ void bind_errors(nb::module_& m) {
 #endif
         }
     });
+#ifdef GNOMON_PYTHON_GLTF
+    nb::exception<gnomon::scene::NoDataError>(m, "NoDataError", PyExc_ValueError);
+#endif
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <thread>
 
@@ -188,22 +189,32 @@ public:
 
     LitFractions run() {
         std::atomic<std::size_t> next{0};
-        const auto work = [&] {
-            for (std::size_t light; (light = next++) < towards_.size() / 3;) decide_light(light);
+        const auto work = [&](const std::function<bool()>& goes_on) {
+            for (std::size_t light; (light = next++) < towards_.size() / 3;) decide_light(light, goes_on);
         };
         std::vector<std::thread> others;
-        for (unsigned i = 1; i < settings_.threads; ++i) others.emplace_back(work);
-        work();
+        for (unsigned i = 1; i < settings_.threads; ++i)
+            others.emplace_back(work, [this] { return !is_over_.load(std::memory_order_relaxed); });
+        work([this, last = Clock::now()]() mutable {
+            if (Clock::now() - last > std::chrono::milliseconds(50)) {
+                if (!settings_.goes_on()) is_over_ = true;
+                last = Clock::now();
+            }
+            return !is_over_;
+        });
         for (std::thread& thread : others) thread.join();
         return std::move(found_);
     }
 
 private:
-    void decide_light(std::size_t light) {
+    using Clock = std::chrono::steady_clock;
+
+    void decide_light(std::size_t light, const std::function<bool()>& goes_on) {
         const float* const towards = &towards_[3 * light];
         LightSpace space(triangles_, towards);
         std::vector<FaceSums> faces(face_count_);
         for (const Receiver& receiver : receivers_) {
+            if (!goes_on()) return;
             FaceSums& sums = faces[std::size_t(face_[receiver.triangle])];
             sums.area += receiver.area;
             if (side_of(receiver.normal, towards) > 0) decide_receiver(receiver, space, &sums);
@@ -262,6 +273,7 @@ private:
     LitFractionsSettings settings_;
     std::vector<Receiver> receivers_;
     LitFractions found_;
+    std::atomic<bool> is_over_{false};
 };
 
 }  // namespace

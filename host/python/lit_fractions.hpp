@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -14,6 +15,7 @@ struct LitFractionsSettings {
     std::uint64_t limit;  // subtractions for one triangle and one light, after which it stays as it is
     unsigned threads;
     bool centroids;
+    std::function<bool()> goes_on;  // asked some times a second by the calling thread; false ends the work
 };
 
 // For each light and face, one after the other: lowest and highest lit share; the centroid of the part that is proven
@@ -25,8 +27,8 @@ struct LitFractions {
 // A triangle's corners in whole steps of a lattice, at most 2^24 from its origin.
 using LatticeTriangle = std::array<std::array<std::int32_t, 3>, 3>;
 
-// triangles: all occluders. face: of each triangle, from 0 on; negative: an occluder alone. Triangles of one face do
-// not shadow each other. towards: to each light, x, y, z.
+// What is found is whole unless goes_on() returned false. triangles: all occluders. face: of each triangle, from 0 on;
+// negative: an occluder alone. Triangles of one face do not shadow each other. towards: to each light, x, y, z.
 LitFractions lit_fractions(std::span<const LatticeTriangle> triangles, std::span<const std::int32_t> face,
                            std::uint32_t face_count, std::span<const float> towards,
                            const LitFractionsSettings& settings);

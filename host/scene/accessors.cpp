@@ -2,6 +2,9 @@
 #include "accessors.hpp"
 
 #include <algorithm>
+#include <iterator>
+
+#include "no_data.hpp"
 
 namespace gnomon::scene {
 namespace {
@@ -143,6 +146,29 @@ void Accessors::require(int index, int type, std::span<const int> component_type
     if (accessor.type != type || std::ranges::find(component_types, accessor.componentType) == component_types.end())
         fail(file_, what + " (" + text(index) + ") are not " + wanted);
     check_alignment(index);
+}
+
+std::optional<std::size_t> Accessors::first_absent_place(int index, int indices) {
+    const Elements& all = elements(index);
+    if (all.component_type != TINYGLTF_COMPONENT_TYPE_FLOAT) return std::nullopt;
+    const auto may_be = [&](std::size_t i) {
+        const Float3 p = all.float3(i);
+        return std::ranges::any_of(p, may_stand_for_no_data);
+    };
+    bool has_any = false;
+    for (std::size_t i = 0; i < all.count && !has_any; ++i) has_any = may_be(i);
+    if (!has_any) return std::nullopt;  // as in almost all files
+    std::vector<float> places;
+    const std::size_t used = indices < 0 ? all.count : this->indices(indices).value.size();
+    const auto element = [&](std::size_t i) { return indices < 0 ? i : this->indices(indices).value[i]; };
+    for (std::size_t i = 0; i < used; ++i) std::ranges::copy(all.float3(element(i)), std::back_inserter(places));
+    const auto found = scene::first_absent_place<float>(places, 3);
+    return found ? std::optional(element(found->row)) : std::nullopt;
+}
+
+std::string Accessors::place_text(int index, std::size_t element) {
+    const Float3 p = elements(index).float3(element);
+    return fmt::format("{}, {}, {}", p[0], p[1], p[2]);
 }
 
 }  // namespace gnomon::scene

@@ -5,6 +5,7 @@
 
 #include <cstring>
 #include <map>
+#include <optional>
 #include <span>
 
 #include <gnomon.hpp>
@@ -51,6 +52,10 @@ public:
     /// offset that is a multiple of its components' bytes. `what` is "the positions of primitive 0 of mesh 3".
     void require(int accessor, int type, std::span<const int> component_types, const std::string& what,
                  const char* wanted) const;
+    /// Of a VEC3 of float32: the first of the elements that these indices name (-1: of all) with a coordinate that
+    /// stands for no data (no_data.hpp). Of other types nothing.
+    std::optional<std::size_t> first_absent_place(int accessor, int indices);
+    std::string place_text(int accessor, std::size_t element);
     std::size_t count(int accessor) const { return model_.accessors[std::size_t(accessor)].count; }
 
     static std::string text(int accessor) { return fmt::format("accessors[{}]", accessor); }

@@ -82,6 +82,7 @@ public:
         const std::uint64_t needed_bytes = check_amount();
         const TriangleSources sources{open_, plan_, work_.instances, pose};
         work_.written = write_triangles(sources, work_.scene);
+        require_places();
         if (keeps_doubles_) keep_doubles(sources, needed_bytes);
         if (!keeps_doubles_) check_places();
         warn();
@@ -95,6 +96,35 @@ private:
         if (work_.written.moved.empty() || plus(needed_bytes, more) > memory_bytes_) return;
         write_doubles(sources, work_.scene);
         work_.written.moved.clear();
+    }
+
+    /// Throws NoDataError for a vertex that stands for no data by the file's own float32 positions, or an instance by
+    /// its translation; asks each once.
+    void require_places() {
+        const auto require = [&](int places, int indices, const auto& name, const char* moved) {
+            if (!asked_places_.insert({places, indices}).second) return;
+            if (const auto row = accessors_.first_absent_place(places, indices))
+                throw NoDataError(fmt::format(
+                    "{}: {} is at {}, of which one number stands for no data: leave it out where the file is made, or, "
+                    "if it is a place, move {} by its node",
+                    file_.string(), name(*row), accessors_.place_text(places, *row), moved));
+        };
+        for (const auto& [mesh, parts] : plan_.parts)
+            for (const Part& part : parts) {
+                const auto name = [&](std::size_t row) {
+                    return fmt::format("vertex {} of {}", row, names_.part(mesh, part.primitive));
+                };
+                if (part.triangle_count != 0) require(part.vertices.positions, part.index_accessor, name, "the mesh");
+            }
+        for (const Instance& instance : work_.instances) {
+            const tinygltf::Node& node = model_.nodes[std::size_t(instance.node)];
+            const auto found = node.extensions.find(instancing);
+            if (found == node.extensions.end() || !found->second.Get("attributes").Has("TRANSLATION")) continue;
+            const auto name = [&](std::size_t row) {
+                return fmt::format("instance {} of {}", row, names_.node(instance.node));
+            };
+            require(found->second.Get("attributes").Get("TRANSLATION").GetNumberAsInt(), -1, name, "each instance");
+        }
     }
 
     // ---- animations ----
@@ -424,6 +454,7 @@ private:
     Accessors accessors_;
     int animation_ = -1;
     std::set<int> animation_accessors_, other_accessors_;
+    std::set<std::pair<int, int>> asked_places_;  ///< by require_places(): accessors, and of their indices
     const bool keeps_doubles_;
     Images images_;
     const OpenFile open_;

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include <gnomon.hpp>
+#include "no_data.hpp"
 
 namespace gnomon::scene {
 namespace {
@@ -214,17 +215,6 @@ bool is_degrees(std::string_view unit) {
     return std::ranges::find(degrees, unit) != degrees.end();
 }
 
-/// Of weights, for which no place is another reading, also numbers of two or three nines.
-bool stands_for_no_data(double number, bool is_weight) {
-    constexpr std::array everywhere{-9999.0, -99999.0, -999999.0, -32768.0, -32767.0, -2147483648.0, -1e20, 1e20};
-    constexpr std::array weights{-99.0, -99.9, -99.99, -999.0, -999.9, -999.99, -9999.9, -9999.99};
-    if (number > (is_weight ? -98.0 : -9998.0) && number < 1e19) return false;  // most are
-    const auto is_among = [number](const auto& numbers) {
-        return std::ranges::any_of(numbers, [number](double n) { return float(n) == float(number); });
-    };
-    return std::fabs(number) >= 1e30 || is_among(everywhere) || (is_weight && is_among(weights));
-}
-
 constexpr double largest_azimuth = 6.3, largest_elevation = 1.6;  // radians, rounded up as tables may round them
 
 bool is_metres(std::string_view unit) {
@@ -239,21 +229,7 @@ std::map<std::string, std::string> point_headings() {
             {"height", "z"},  {"elevation", "z"}, {"altitude", "z"}};
 }
 
-std::optional<std::size_t> first_no_data(std::span<const double> values, std::size_t columns) {
-    const auto row_is = [&](std::size_t row, double number) {
-        const auto cells = values.subspan(row * columns, columns);
-        return std::size_t(std::ranges::count(cells, number)) >= std::min<std::size_t>(columns, 2);
-    };
-    for (std::size_t row = 0; row < values.size() / columns; ++row)
-        for (const double number : values.subspan(row * columns, columns)) {
-            if (!row_is(row, number) || !stands_for_no_data(number, columns == 1)) continue;
-            bool is_alone = true;
-            for (std::size_t other = 0; other < values.size() && is_alone; ++other)
-                is_alone = row_is(other / columns, number) || !(values[other] / number >= 0.5);
-            if (is_alone) return row;
-        }
-    return std::nullopt;
-}
+std::map<std::string, std::string> sun_headings() { return {{"weights", "weight"}}; }
 
 NumberTable::NumberTable(std::string_view text, std::string file, const TableColumns& columns)
     : file_(std::move(file)) {
@@ -379,16 +355,21 @@ std::vector<float> NumberTable::float_numbers(std::string_view name) const {
     return values;
 }
 
-void NumberTable::require_data(const std::vector<std::string>& columns) const {
+void NumberTable::require_places(const std::vector<std::string>& columns) const {
     std::vector<double> values;
     for (std::size_t row = 0; row < rows(); ++row)
         for (const std::string& name : columns) values.push_back(number(row, name));
-    const auto row = first_no_data(values, columns.size());
-    if (!row) return;
-    std::string cells;
-    for (const std::string& name : columns)
-        cells += joined({cells.empty() ? "" : ", ", name, " = \"", text(*row, name), "\""});
-    refuse(*row, cells + ", which stands for no data: " + (columns.size() == 1 ? "write 0" : "leave the row out"));
+    const auto found = first_absent_place<double>(values, columns.size());
+    if (!found) return;
+    const std::string& name = columns[found->column];
+    refuse(found->row,
+           joined({name, " = \"", text(found->row, name),
+                   "\", which stands for no data: leave the row out, or move it a little if it is a place"}));
+}
+
+void NumberTable::require_weights(const std::string& column) const {
+    if (const auto row = first_absent_weight(numbers(column)))
+        refuse(*row, joined({column, " = \"", text(*row, column), "\", which stands for no data: write 0"}));
 }
 
 void NumberTable::refuse(std::size_t row, const std::string& reason) const {

@@ -22,10 +22,8 @@ struct TableColumns {
 
 /// What surveyors call the coordinates of points.
 std::map<std::string, std::string> point_headings();
-
-/// Of rows of so many values: the first with a number that files write where they have no data, -9999 or 1e20, say, in
-/// its one column, or in two of its columns; if all other rows are less than half as far out.
-std::optional<std::size_t> first_no_data(std::span<const double> values, std::size_t columns);
+/// Of tables of suns and of weights.
+std::map<std::string, std::string> sun_headings();
 
 /// Named columns of a CSV text, in any order. Columns are separated by commas, semicolons, tabs or blanks, whichever
 /// the first line has; cells may stand in quotes, also over several lines. Empty lines, and lines that begin with #, do
@@ -48,8 +46,10 @@ public:
     [[noreturn]] void refuse(std::size_t row, const std::string& reason) const;
     /// Throws unless the table has these columns; the message ends with those that it has.
     void require(const std::vector<std::string>& columns, const std::string& what) const;
-    /// Throws for the first row whose numbers in these columns stand for no data, as first_no_data() has it.
-    void require_data(const std::vector<std::string>& columns) const;
+    /// Throws for the first number that stands for no data (no_data.hpp): of these columns of coordinates, or of the
+    /// column of weights.
+    void require_places(const std::vector<std::string>& columns) const;
+    void require_weights(const std::string& column) const;
     /// Of the values of the columns azimuth and elevation: throws if the headings name no unit and all values are as
     /// small as radians, with a sun above the horizon.
     void require_degrees(const std::vector<double>& azimuths, const std::vector<double>& elevations) const;

@@ -25,6 +25,12 @@ public:
     using Error::Error;
 };
 
+/// A vertex or an instance stands for no data.
+class NoDataError : public SceneError {
+public:
+    using SceneError::SceneError;
+};
+
 struct NamedCamera {
     std::string name;     ///< node name, else camera name, else "camera N"
     Camera camera;        ///< transformed in double; the eye is rounded once

@@ -17,6 +17,7 @@ constexpr double sliver_height = 0x1p-16;  ///< of its coordinates: float32 has 
 constexpr double level_slope = 0.01;       ///< of ground that is level
 constexpr double near_share = 1.5;         ///< of the way from a shell's middle to a sliver of it
 constexpr double width_beside_ground = 0.5;
+constexpr double far_larger = 4;        ///< than all else, along each axis: what is open above
 constexpr std::size_t least_lines = 5;  ///< along each axis, that meet the shell
 
 double width_of(const Bounds& box) { return std::hypot(box.sides().x, box.sides().z); }
@@ -90,7 +91,8 @@ double Shell::ground_height(const Scene& scene, const Content& content) {
     return height;
 }
 
-/// The planes of what is seen from four sides and from above, if they all have each other on one side.
+/// The planes of what is seen from four sides and, unless it is open, from above, if they all have each other on one
+/// side.
 bool Shell::find(const Scene& scene, const Content& content, double least_height) {
     const Bounds& all = content.bounds();
     std::array<Lines, 3> lines{Lines(0, all.middle()), Lines(1, all.middle()), Lines(2, all.middle())};
@@ -101,6 +103,7 @@ bool Shell::find(const Scene& scene, const Content& content, double least_height
     });
     std::set<const float*> seen;
     for (const int axis : {0, 1, 2}) {
+        if (axis == 1 && is_open_) continue;
         const Lines& of_axis = lines[std::size_t(axis)];
         std::size_t met = 0;
         for (std::size_t i = 0; i < of_axis.hits.size(); ++i) {
@@ -109,12 +112,14 @@ bool Shell::find(const Scene& scene, const Content& content, double least_height
             ++met;
             for (const std::size_t side : {0u, 1u}) {
                 if (axis == 1 && side == 0) continue;
-                points_.push_back(of_axis.point(i, line.outer[side]));
+                const glm::dvec3 point = of_axis.point(i, line.outer[side]);
+                if (point.y >= least_height) points_.push_back(point);  // a wall may go on below the ground
                 seen.insert(line.outer_triangle[side]);
             }
         }
         if (met < least_lines) return false;
     }
+    if (points_.empty()) return false;
     slack_ = slack_share * largest_coordinate(all.sides());
     Bounds around;
     for (const glm::dvec3& p : points_) middle_ += p / double(points_.size()), around.add(p);
@@ -131,11 +136,17 @@ bool Shell::find(const Scene& scene, const Content& content, double least_height
 }
 
 std::optional<Shell> Shell::around(const Scene& scene, const Content& content) {
+    if (content.bounds().is_empty()) return {};
+    std::optional<Shell> closed = around(scene, content, false);
+    return closed ? closed : around(scene, content, true);
+}
+
+std::optional<Shell> Shell::around(const Scene& scene, const Content& content, bool is_open) {
     const Bounds& all = content.bounds();
-    if (all.is_empty()) return {};
     const double least_height = ground_height(scene, content) + ground_share * all.sides().y;
     Shell shell;
-    if (!shell.find(scene, content, least_height)) return {};
+    shell.is_open_ = is_open;
+    if (!shell.find(scene, content, least_height) || (is_open && shell.has_fronts_outside())) return {};
     Bounds ground;
     for_each_finite_triangle(scene, [&](const float* t) {
         if (is_level(t) && is_below(t, least_height) && content.has(t) && shell.has(t))
@@ -156,6 +167,7 @@ std::optional<Shell> Shell::around(const Scene& scene, const Content& content) {
         }
     });
     if (rest.is_empty() || !is_all_inside || width_of(shell.bounds_) < width_beside_ground * width_of(all)) return {};
+    if (is_open && any(lessThan(shell.bounds_.sides(), far_larger * rest.sides()))) return {};
     // Closed: the shell stands on four sides of the rest's middle, and above it.
     std::array<Lines, 3> lines{Lines(0, rest.middle()), Lines(1, rest.middle()), Lines(2, rest.middle())};
     for (Lines& of_axis : lines) of_axis.through_middle();
@@ -165,7 +177,7 @@ std::optional<Shell> Shell::around(const Scene& scene, const Content& content) {
     });
     for (const std::size_t axis : {0u, 1u, 2u})
         for (const int side : {0, 1})
-            if (!(axis == 1 && side == 0) && !lines[axis].hits[0].is_met(side)) return {};
+            if (!(axis == 1 && (side == 0 || is_open)) && !lines[axis].hits[0].is_met(side)) return {};
     return shell;
 }
 

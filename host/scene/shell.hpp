@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A closed convex surface around all else that a scene shows, such as a sky box: from outside nothing but it is seen.
+// Or one that is open above, such as a panorama, if its fronts are inside and all else is far smaller.
 #pragma once
 
 #include <optional>
@@ -33,6 +34,7 @@ private:
     /// Nothing for a sliver.
     static std::optional<Plane> plane_of(const float* triangle);
     bool find(const Scene& scene, const Content& content, double least_height);
+    static std::optional<Shell> around(const Scene& scene, const Content& content, bool is_open);
     static bool is_level(const float* triangle);
     /// The height of level ground that is as wide as the content, in its lower half; else the content's least height.
     static double ground_height(const Scene& scene, const Content& content);
@@ -44,6 +46,7 @@ private:
     Bounds core_;                     ///< within the shell
     Bounds ground_;                   ///< of level triangles below all else
     double slack_ = 0;
+    bool is_open_ = false;  ///< above
     Bounds bounds_;
 };
 

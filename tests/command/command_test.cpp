@@ -769,6 +769,7 @@ TEST_F(Command, HoursRefusesWhatHasNoMeaning) {
     std::ofstream(in_folder("suns.csv")) << "0,-1,0\n";
     std::ofstream(in_folder("points.csv")) << "x,y\n0,0\n";
     std::ofstream(in_folder("absent.csv")) << "x,y,z\n0,0,0\n-9999,-9999,5\n";
+    std::ofstream(in_folder("absent_height.csv")) << "x,y,z\n0,0,0\n1,-9999,5\n";
     std::ofstream(in_folder("weights.csv")) << "0,-1,0,5\n0,-1,1,-999\n";
     std::ofstream(in_folder("none.csv")) << "x,y,z\n";
     std::ofstream(in_folder("suns.bz2")) << "BZh91AY";
@@ -813,7 +814,12 @@ TEST_F(Command, HoursRefusesWhatHasNoMeaning) {
          "weights.csv, line 2 has weight = \"-999\", which stands for no data: write 0"},
         {{"-o", "a.csv", "--directions", "suns.csv", "--points", "absent.csv"},
          1,
-         "absent.csv, line 3 has x = \"-9999\", y = \"-9999\", z = \"5\", which stands for no data: leave the row out"},
+         "absent.csv, line 3 has x = \"-9999\", which stands for no data: leave the row out, or move it a little if it "
+         "is "
+         "a place"},
+        {{"-o", "a.csv", "--directions", "suns.csv", "--points", "absent_height.csv"},
+         1,
+         "absent_height.csv, line 3 has y = \"-9999\", which stands for no data"},
         {{"--aov", "a.exr", "--directions", "suns.csv", "--write-directions", "suns.csv"},
          1,
          "a file that this run reads"},

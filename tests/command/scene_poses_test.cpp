@@ -222,6 +222,39 @@ TEST_F(Poses, NanWeightsMakeTrianglesThatCastNoShadow) {
     expect_warning(load(gltf), {"NaN or infinite vertex"});
 }
 
+// A number that files write where they have no data is no place, unless others of its axis are near; vertices that no
+// triangle names and quantized positions do not count.
+TEST_F(Poses, VerticesThatStandForNoDataAreRefused) {
+    const auto refusal_of = [&](const std::vector<float>& xyz, const char* indices = "") {
+        Gltf gltf;
+        const int positions = gltf.positions(xyz);
+        if (*indices) gltf.indices<std::uint16_t>({0, 1, 2});
+        gltf.mesh(R"({"attributes": {"POSITION": )" + text(positions) + "}" + indices + "}");
+        gltf.node(R"({"mesh": 0})");
+        gltf.set("/scenes", R"([{"nodes": [0]}])");
+        try {
+            load(gltf);
+        } catch (const SceneError& error) {
+            return std::string(error.what());
+        }
+        return std::string();
+    };
+    for (const float number : {-9999.0f, -99999.0f, -999999.0f, -32768.0f, -32767.0f, -2147483648.0f, -1e20f, 1e20f})
+        EXPECT_NE(refusal_of({0, 0, 0, 1, number, 0, 1, 0, 1}).find(": vertex 1 of primitive 0 of mesh"),
+                  std::string::npos)
+            << refusal_of({0, 0, 0, 1, number, 0, 1, 0, 1});
+    EXPECT_NE(refusal_of({5e5, 0, 0, 6e5, 0, 0, -9999, 0, 1}).find("which one number stands for no data"),
+              std::string::npos);
+    EXPECT_NE(refusal_of({0, -9999, 0, 1, -9999, 0, 0, -9999, 1}).find("move the mesh by its node"), std::string::npos);
+    for (const std::vector<float>& place : std::initializer_list<std::vector<float>>{
+             {0, -9998, 0, 1, -9999, 0, 1, -9999, 1},             // near others
+             {-9999, 0, 0, 9999, 0, 0, 0, 0, 9999},               // a corner of a square around the origin
+             {-9999, 0, -9998, -9999, 0, -9997, -9999, 5, -9998}  // on a wall that lies there
+         })
+        EXPECT_EQ(refusal_of(place), "");
+    EXPECT_EQ(refusal_of({0, 0, 0, 1, 0, 0, 0, 0, 1, 3, -9999, 3}, R"(, "indices": 1)"), "");
+}
+
 // ---- Instances, quantization, scenes, variants ----------------------------------------------------------------------
 
 TEST_F(Poses, GpuInstances) {

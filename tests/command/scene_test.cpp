@@ -1328,7 +1328,7 @@ std::vector<float> inside_out(std::vector<float> triangles) {
     return triangles;
 }
 
-/// A sphere of radius 1 around the origin, of quads; `is_dome`: its upper half.
+/// A sphere of radius 1 around the origin, of quads with their fronts inside; `is_dome`: its upper half.
 std::vector<float> sphere(int columns, int rows, bool is_dome = false) {
     std::vector<float> triangles;
     const double pi = 3.14159265358979;
@@ -1358,7 +1358,20 @@ std::vector<float> part_of(const std::vector<float>& t, double least, double mos
     return part;
 }
 
-// A closed box, sphere or dome around all else hides it from outside, whichever side its faces show.
+/// A wall of quads around the y axis.
+std::vector<float> cylinder(int columns, float low, float high, double radius) {
+    std::vector<float> triangles;
+    for (int i = 0; i < columns; ++i)
+        for (const auto& [a, height] : {std::pair{0, low}, {1, high}, {1, low}, {0, low}, {0, high}, {1, high}}) {
+            const double turn = 2 * 3.14159265358979 * (i + a) / columns;
+            for (const double c : {radius * std::cos(turn), double(height), radius * std::sin(turn)})
+                triangles.push_back(float(c));
+        }
+    return triangles;
+}
+
+// A closed box, sphere or dome around all else hides it from outside, whichever side its faces show; so does a panorama
+// that is open above, which shows its fronts to those inside.
 TEST(DefaultCamera, StandsInASky) {
     const std::vector<float> house = turned(cuboid({-5, 0, -4}, {5, 6, 4}), 30);
     const std::vector<float> box = cuboid({-300, -300, -300}, {300, 300, 300});
@@ -1374,8 +1387,8 @@ TEST(DefaultCamera, StandsInASky) {
         {"a box that is turned", house, turned(box, 40, 20)},
         {"a box on the ground", house, cuboid({-300, 0, -300}, {300, 400, 300})},
         {"a box, and ground in it", house, together(box, times(0.7, ground))},
-        {"a sphere", house, times(1000, sphere(24, 12))},
-        {"a sphere whose fronts are inside", house, times(1000, inside_out(sphere(24, 12)))},
+        {"a sphere", house, times(1000, inside_out(sphere(24, 12)))},
+        {"a sphere whose fronts are inside", house, times(1000, sphere(24, 12))},
         {"a finer sphere", house, times(1000, turned(sphere(90, 60), 3, 70))},
         {"a sphere, and ground in it", house, together(times(600, sphere(24, 12)), ground)},
         {"a dome on ground that is as wide", house, together(times(400, sphere(24, 12, true)), ground)},
@@ -1393,6 +1406,14 @@ TEST(DefaultCamera, StandsInASky) {
         {"two houses", together(house, cuboid({40, 0, 0}, {49, 9, 9})), box},
         {"a house off the middle", cuboid({150, 0, -60}, {160, 9, -50}), box},
         {"a box, and a plate in it", house, together(box, cuboid({-50, -2, -50}, {50, -1, 50}))},
+        {"a panorama", house, inside_out(cylinder(32, -40, 60, 100))},
+        {"a panorama on the ground", house, inside_out(cylinder(64, 0, 60, 100))},
+        {"a coarse panorama with a floor", house, together(inside_out(cylinder(8, 0, 60, 100)), times(0.2, ground))},
+        {"a panorama on wider ground", house, together(inside_out(cylinder(24, 0, 60, 100)), times(0.3, ground))},
+        {"a panorama from below the ground on", house,
+         together(inside_out(cylinder(24, -30, 60, 100)), times(0.3, ground))},
+        {"a sphere that is open above, its fronts inside", house, part_of(times(400, sphere(24, 12)), -500, 380)},
+        {"walls around", house, inside_out(part_of(box, -299, 299))},
     };
     for (const double aspect : {16.0 / 9, 1.0, 0.5})
         for (const auto& [name, content, sky] : cases) {
@@ -1411,7 +1432,7 @@ TEST(DefaultCamera, StandsInASky) {
         }
 }
 
-// A sky that is open above, or bulges, is seen from outside; a sentence says so.
+// A sky that is open above and shows its fronts outside, or bulges, is seen from outside; a sentence says so.
 TEST(DefaultCamera, SaysThatASkyIsSeenFromOutside) {
     const std::vector<float> house = cuboid({-5, 0, -4}, {5, 6, 4}), ball = times(400, sphere(24, 12));
     const std::vector<float> box = cuboid({-300, -300, -300}, {300, 300, 300});
@@ -1427,7 +1448,7 @@ TEST(DefaultCamera, SaysThatASkyIsSeenFromOutside) {
         scene.mesh_names = {"mesh 'sky'", "mesh 1"};
         return gnomon::scene::Framing(scene, 1).hidden(scene);
     };
-    for (const auto& sky : {part_of(ball, -500, 380), part_of(box, -300, 299), inside_out(bulging)})
+    for (const auto& sky : {inside_out(part_of(ball, -500, 380)), part_of(box, -300, 299), inside_out(bulging)})
         EXPECT_EQ(said(sky),
                   "the default view shows mesh 'sky' from outside, and all else is far smaller and inside "
                   "of it: --eye and --target show that from there")
@@ -1463,6 +1484,8 @@ TEST(DefaultCamera, StandsOutsideOfBodies) {
              {"a globe in clouds", together(ball, times(1.1, ball))},
              {"a case with a box in it", together(cube, times(0.7, cube))},
              {"a box with a bench before it", together(together(cube, bench), small)},
+             {"a cup with a ball in it", together(cylinder(24, -1, 1, 1), times(0.2, ball))},
+             {"a yard with a house in it", together(inside_out(cylinder(24, -1, 1, 1)), times(0.4, ball))},
              {"a statue, and triangles in it", together(together(cube, turned(times(0.9, cube), 45, 45)), small)},
          }) {
         Scene scene;

@@ -162,7 +162,7 @@ TEST_F(Suns, TablesOfAllKinds) {
     EXPECT_EQ(bare.suns[0].weight, 1);
     EXPECT_EQ(read_suns(file("0,-1,0,2.5\n"), 0).suns[0].weight, 2.5f);
     const SunTable angles =
-        read_suns(file("weight,elevation,note,azimuth\r\n1,45,\"a\",90\r\n2,-3,b,0\r\n0.5,0,c,0\r\n"), 0);
+        read_suns(file("Weights,elevation,note,azimuth\r\n1,45,\"a\",90\r\n2,-3,b,0\r\n0.5,0,c,0\r\n"), 0);
     ASSERT_EQ(angles.suns.size(), 1u);
     EXPECT_EQ(angles.below_horizon, 2u);
     EXPECT_EQ(angles.suns[0].direction, travel_direction(90, 45, 0));
@@ -197,6 +197,8 @@ TEST_F(Suns, RefusesWhatItCannotRead) {
     expect_refused("x,y,z\n0,0,0\n", "line 2 has the direction 0,0,0");
     expect_refused("azimuth,elevation\n10,91\n", "an elevation beyond 90 degrees");
     expect_refused("azimuth,elevation\n-9999,9\n", "line 2 has an azimuth beyond 360 degrees");
+    expect_refused("azimuth,elevation,weight\n180,45,3\n90,45,-9999\n",
+                   "line 3 has weight = \"-9999\", which stands for no data");
     expect_refused("x,y,z,weight\n1,2,3,1e39\n", "line 2 has weight = \"1e39\", which is beyond float32");
     expect_refused("up,x,y,z\ny,1,-2,3\nx,1,-2,3\n", "line 3 has up = \"x\", which is neither y nor z");
     EXPECT_THROW(read_suns(folder_ / "none.csv", 0), gnomon::Error);

@@ -153,6 +153,40 @@ def test_a_place_of_two_coordinates_that_mean_no_data(scene, number):
     assert scene.lit(rows, direction=DOWN).tolist() == [False, True, True]
 
 
+TAKERS = {
+    "points": lambda scene, rows: scene.lit(rows, direction=DOWN),
+    "points, nan='absent'": lambda scene, rows: scene.lit(rows, direction=DOWN, nan="absent"),
+    "vertices": lambda scene, rows: gnomon.Scene(rows, [[0, 1, 2]]),
+    "vertices, without faces": lambda scene, rows: gnomon.Scene(rows[None]),
+    "positions": lambda scene, rows: scene.lit_by(np.zeros((1, 3)), gnomon.Lights.positions(rows)),
+    "directions": lambda scene, rows: scene.lit_by(np.zeros((1, 3)), gnomon.Lights.directions(rows)),
+    "normals": lambda scene, rows: scene.lit(np.zeros((3, 3)), direction=DOWN, side=gnomon.Side.normals(rows)),
+    "observers": lambda scene, rows: scene.visible_from(rows, np.zeros((1, 3))),
+    "observers, on a raster": lambda scene, rows: gnomon.viewshed(np.zeros((9, 9)), rows[:, :2], cell=1),
+}
+
+
+@pytest.mark.parametrize("number", [-9999, -99999, -999999, -32768, -32767, -(2**31), 1e20, -1e20])
+@pytest.mark.parametrize("taker", TAKERS)
+def test_a_coordinate_that_means_no_data(scene, taker, number):
+    for axis in range(2 if "raster" in taker else 3):
+        for real in (np.float32, np.float64):
+            rows = np.array([[1, 2, 3], [2, 3, 4], [3, 4, 3]], real)
+            rows[1, axis] = number
+            said = f"{taker.split(',')[0]}: row 1 .* stands for no data in files: .* if it is a place"
+            with pytest.raises(ValueError, match=said):
+                TAKERS[taker](scene, rows)
+
+
+def test_coordinates_among_their_like(scene):
+    """Near others of their axis, across the origin, or on a wall that lies there, they are places."""
+    ground = np.array([[-9999, -9999, 0], [9999, -9999, 0], [0, 9999, 0]], float)
+    assert gnomon.Scene(ground, [[0, 1, 2]]).lit([[0.0, 0, -1]], direction=DOWN).tolist() == [False]
+    wall = np.array([[-9999, -9998, 0], [-9999, -9990, 0], [-9999, -9990, 9]], float)
+    assert len(gnomon.Scene(wall, [[0, 1, 2]])) == 1
+    assert scene.lit([[-9999, 0, 0], [-9000, 0, 0]], direction=DOWN).tolist() == [True, True]
+
+
 @pytest.mark.parametrize("type", ["int32", "int64", "uint32", "uint64"])
 def test_integers_that_nan_becomes(scene, type):
     limits = np.iinfo(type)

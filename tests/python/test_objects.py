@@ -368,6 +368,51 @@ def test_arrays_are_not_read_from_files(tmp_path):
     assert scene.lit(np.loadtxt(tmp_path / "a.csv", delimiter=","), direction=DOWN).tolist() == RIGHT
 
 
+def test_labelled_arrays_go_by_their_labels():
+    """Wherever the labels stand; three points along the other axis hide an exchange of axes from the shape."""
+    xarray = pytest.importorskip("xarray")
+    rows = np.array([[0, 0, 0], [5, 0, 0], [0.5, 0, 0]], float)
+    right = gnomon.Scene(ROOF).lit(rows, direction=DOWN).tolist()
+    assert right == [False, True, False]
+    zyx = xarray.DataArray(rows[:, ::-1], dims=("point", "axis"), coords={"axis": list("zyx")})
+    across = xarray.DataArray(rows.T, dims=("axis", "point"), coords={"axis": list("XYZ")})
+    table = xarray.Dataset({name: ("point", rows[:, i]) for i, name in enumerate("xyz")})
+    for points in (zyx, across, zyx.T, table[["z", "x", "y"]]):
+        assert gnomon.Scene(ROOF).lit(points, direction=DOWN).tolist() == right
+    with pytest.raises(ValueError, match="points: of the columns x, y three must be x, y, z"):
+        gnomon.Scene(ROOF).lit(table[["x", "y"]], direction=DOWN)
+    for cloud, part in ((pyvista().PolyData(rows), "points"), (trimesh().PointCloud(rows), "vertices")):
+        with pytest.raises(TypeError, match=f"points: .* is no array: give its {part}, numpy.asarray"):
+            gnomon.Scene(ROOF).lit(cloud, direction=DOWN)
+
+
+def _hidden_roof(how):
+    """A roof of 4 x 4 cells of 1, at height 2, without those of x below 0."""
+    x, y = np.meshgrid(np.arange(5.0) - 2, np.arange(5.0) - 2, indexing="ij")
+    grid = pyvista().StructuredGrid(x, y, np.full_like(x, 2.0))
+    if how == "points":
+        grid.hide_points(np.flatnonzero(grid.points[:, 0] < 0))
+        return grid
+    grid.hide_cells(np.flatnonzero(grid.cell_centers().points[:, 0] < 0), inplace=True)
+    if how == "a surface":
+        return grid.extract_surface()
+    if how == "blocks":
+        return pyvista().MultiBlock([None, grid])
+    if how == "meshio":
+        meshio = pytest.importorskip("meshio")
+        surface = grid.extract_surface()
+        quads = [("quad", surface.faces.reshape(-1, 5)[:, 1:])]
+        return meshio.Mesh(surface.points, quads, cell_data={"vtkGhostType": [surface.cell_data["vtkGhostType"]]})
+    return grid
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("how", ["cells", "points", "a surface", "blocks", "meshio"])
+def test_hidden_cells_are_not_there(how):
+    scene = gnomon.Scene(_hidden_roof(how))
+    assert scene.lit([[-1.5, 0.1, 0], [0.5, 0.1, 0], [1.5, 0.1, 0]], direction=DOWN).tolist() == [True, False, False]
+
+
 def test_an_empty_multi_block_is_said():
     with pytest.raises(TypeError, match="vertices: MultiBlock has no blocks: give it meshes first, by append"):
         gnomon.Scene(pyvista().MultiBlock())

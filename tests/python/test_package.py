@@ -97,6 +97,39 @@ except KeyboardInterrupt:
     assert run(code).stdout == "interrupted (9, 9) True\n"
 
 
+def test_ctrl_c_ends_lit_fractions():
+    """Within the one sun that each thread has, and a caller's thread that is not the main one goes on."""
+    code = """
+import gnomon.surfaces, numpy, os, signal, threading, time
+signal.signal(signal.SIGINT, signal.default_int_handler)
+triangles = numpy.random.default_rng(1).random((1000, 3, 3))
+took, suns = 0, numpy.array([[0.1, 0.2, -1]])
+while took < 1:
+    triangles = numpy.concatenate([triangles, triangles[:500] + 0.001])
+    start = time.monotonic()
+    whole = gnomon.surfaces.lit_fractions(triangles, suns, threads=1)
+    took = time.monotonic() - start
+threading.Timer(took / 4, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+start = time.monotonic()
+try:
+    gnomon.surfaces.lit_fractions(triangles, suns, threads=1)
+    print("finished")
+except KeyboardInterrupt:
+    print("interrupted", time.monotonic() - start < 0.75 * took)
+again = []
+thread = threading.Thread(target=lambda: again.append(gnomon.surfaces.lit_fractions(triangles, suns, threads=2)))
+thread.start()
+try:
+    os.kill(os.getpid(), signal.SIGINT)
+    thread.join()
+except KeyboardInterrupt:
+    thread.join()
+print((again[0].low == whole.low).all())
+"""
+    done = run(code)
+    assert done.stdout == "interrupted True\nTrue\n", done.stderr
+
+
 def test_signals_are_left_alone():
     # In a process of its own, whatever this one inherited: a shell's background job ignores interrupts.
     code = """

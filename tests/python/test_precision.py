@@ -71,6 +71,13 @@ def test_lamps_and_cameras_that_float32_moves():
     assert abs((view.receivers[32] >= 0).mean() - (half + 0.1) / (2 * half)) < 1.5 / 65, "where the edge is"
 
 
+def test_far_points_leave_near_ones_where_they_are():
+    snap = gnomon.Scene(0.1 + np.random.default_rng(2).random((4, 3, 3))).lattice.native.snap
+    near = np.random.default_rng(3).random((5, 3))
+    both, _ = snap(np.concatenate([near, [[1e7, 0.3, -2e9]]]))
+    assert (both[:5] == snap(near)[0]).all() and np.abs(both[5] - [1e7, 0.3, -2e9]).max() < 256
+
+
 def test_decimal_points_beside_a_float32_mesh():
     scene = gnomon.Scene(BOX.astype(np.float32))
     assert scene.lit([[0.1, 0.2, 0], [0.9, 0.2, 0]], direction=DOWN).tolist() == [False, True]

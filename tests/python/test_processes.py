@@ -218,6 +218,40 @@ def test_a_script_without_main_guard_is_one_sentence(guard, tmp_path):
         assert '__name__ == "__main__"' in done.stderr.splitlines()[-1]
 
 
+def test_a_thread_of_a_script_without_main_guard_is_one_sentence(tmp_path):
+    pytest.importorskip("distributed")
+    code = """
+import threading
+from gnomon.studies import runner
+def go():
+    with runner.executor_of(runner.Execution(workers=1)): pass
+threading.Thread(target=go).start()
+"""
+    done = run(code, tmp_path)
+    assert done.stderr.count("Traceback") == 1, done.stderr
+    assert done.stderr.splitlines()[-1].endswith('put what starts it below if __name__ == "__main__":')
+
+
+def test_a_study_outlives_no_main_thread(tmp_path):
+    """Calls in its thread end by one sentence, whenever the main thread ends, and the program does end."""
+    pytest.importorskip("rasterio")
+    for seconds in (0, 0.3):
+        code = f"""
+import threading, time
+from gnomon.studies import runner
+def go():
+    calls = ((i, time.sleep, (0.1,)) for i in range(200))
+    try:
+        with runner.executor_of(runner.Execution()) as e: print(len(list(e.run(calls))))
+    except runner.StudyStoppedError as error: print(error)
+threading.Thread(target=go).start()
+time.sleep({seconds})
+"""
+        done = run(code, tmp_path, timeout=15)
+        assert done.stdout.startswith("the program's main thread has ended, and a study"), done.stdout + done.stderr
+        assert (done.returncode, done.stderr, done.stdout.count("\n")) == (0, "", 1)
+
+
 def test_a_program_that_workers_cannot_import_is_one_sentence(tmp_path):
     pytest.importorskip("distributed")
     start = (

@@ -265,6 +265,30 @@ def test_wrong_arguments_are_named(arguments, text):
         gnomon.viewshed(given.pop("heights"), given.pop("observers"), **given)
 
 
+ARC_SECONDS = np.array([1, 1 / 3, 3, 30, 60]) / 3600
+
+
+@pytest.mark.parametrize("seconds", ARC_SECONDS)
+def test_degrees_are_refused(seconds):
+    """Hills of 1 in 5 over cells in degrees, by their size and by their places."""
+    rows, columns = np.mgrid[:40, :50]
+    hills = 20 * 30.9 * 3600 * seconds * (np.sin(columns / 3) + np.cos(rows / 4))
+    x, y = 10.5 + seconds * np.arange(50), 47.25 - seconds * np.arange(40)
+    for place in ({"cell": seconds}, {"cell": (seconds, 0.7 * seconds)}, {"x": x, "y": y}):
+        at = [x[5], y[5]] if "x" in place else [0, 0]
+        with pytest.raises(ValueError, match="heights: the cells, .* look like degrees: warp .*are_metres=True"):
+            gnomon.viewshed(hills, at, **place)
+        with pytest.raises(ValueError, match="look like degrees"):
+            gnomon.ViewshedGrid(hills, **place)
+    small = gnomon.viewshed(hills * 1e-6, [0, 0], cell=seconds, height=1.0, are_metres=True, refraction=None)
+    assert small.counts.sum() > 0
+
+
+def test_steep_ground_is_no_degrees():
+    heights = np.random.default_rng(7).uniform(0, 100, (30, 30))
+    assert gnomon.viewshed(heights, [3, 3], cell=1).counts.sum() > 0
+
+
 def test_infinite_heights_are_no_data():
     heights = np.zeros((4, 5))
     heights[1, 2:4] = np.inf, -np.inf

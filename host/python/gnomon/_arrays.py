@@ -127,80 +127,94 @@ def _fill_values_of(array: NDArray[Any]) -> NDArray[Any] | None:
         return np.array(FILL_VALUES).astype(array.dtype)
 
 
-def require_no_fill_values(array: NDArray[Any], name: str) -> None:
-    """Rows (N, ...) of real numbers."""
+def first_fill_value(array: NDArray[Any]) -> int | None:
+    """The first of the rows (N, ...) of real numbers with one of FILL_VALUES or of an integer's extremes."""
     values = _fill_values_of(array)
     if values is None:
-        return
+        return None
     is_fill = np.isin(array, values) & np.isfinite(array)
-    _refuse_no_data(array, name, first_row(is_fill.reshape(len(array), -1).any(axis=1)))
+    return first_row(is_fill.reshape(len(array), -1).any(axis=1))
+
+
+def require_no_fill_values(array: NDArray[Any], name: str) -> None:
+    """Rows (N, ...) of real numbers."""
+    _refuse_no_data(array, name, first_fill_value(array))
 
 
 def _refuse_no_data(array: NDArray[Any], name: str, row: int | None) -> None:
     if row is not None:
+        remedy = "make it NaN, with nan='absent'" if name == "points" else "leave it out"
         raise ValueError(
-            f"{name}: row {row} {array[row].tolist()} has a value that stands for no data in files: make it NaN "
-            "(points, with nan='absent'), or leave the row out"
+            f"{name}: row {row} {array[row].tolist()} has a value that stands for no data in files: {remedy}, or move "
+            "it a little if it is a place"
         )
 
 
-def first_no_data(rows: NDArray[Any]) -> int | None:
-    """Of rows (N, C) of real numbers, C = 1 of weights: the first with a number that stands for no data (-9999, say) in
-    its one column, or in two of its columns, far beyond all others."""
-    low, high = (float(f.reduce(rows, axis=None, initial=0)) for f in (np.fmin, np.fmax))
-    if low > (-99 if rows.shape[1] == 1 else -9999) and high < 1e20:
+def first_absent_place(rows: NDArray[Any]) -> int | None:
+    """Of rows (N, C) of coordinates, C of 2 or 3: the first with a coordinate that stands for no data, -9999, say, far
+    from all others. Quantized positions, integers of 16 bits or fewer, are places."""
+    if not rows.size or (rows.dtype.kind in "iu" and rows.dtype.itemsize <= 2):
         return None
-    return _gnomon.first_no_data(np.ascontiguousarray(rows, np.float64))
+    low, high = (float(f.reduce(rows, axis=None)) for f in (np.fmin, np.fmax))
+    if low > -9998 and high < 1e19:
+        return None
+    return _gnomon.first_absent_place(
+        np.ascontiguousarray(rows, np.float32 if rows.dtype == np.float32 else np.float64)
+    )
+
+
+def require_places(places: NDArray[Any], name: str) -> None:
+    """Rows (N, C) of coordinates. Raises ValueError for a value that is not finite or stands for no data."""
+    require_finite(places, name)
+    _refuse_no_data(places, name, first_absent_place(places))
 
 
 def require_points(points: NDArray[Any], nan: str = "error") -> None:
     """Rows (N, 3) of real numbers. nan: what NaN is, "error" or "absent"."""
     if nan == "error":
-        require_finite(points, "points")
-    else:
-        require_no_fill_values(points, "points")
-    _refuse_no_data(points, "points", first_no_data(points))
+        return require_places(points, "points")
+    require_no_fill_values(points, "points")
+    _refuse_no_data(points, "points", first_absent_place(points))
 
 
-#: Heights that stand for no data wherever they occur; and those that do if all others are less than half as low, or if
-#: there are no others.
-NO_HEIGHTS = (-9999.0, -99999.0, -999999.0, -32768.0, -32767.0, 1e20, -1e20)
-NO_HEIGHTS_ALONE = (-99.0, -99.9, -99.99, -99.999, -999.0, -999.9, -999.99, -999.999, -9999.9, -9999.99, -9999.999)
 LOWEST_HEIGHT = -99_000.0
 
 
 def first_no_height(
     heights: NDArray[Any], is_there: NDArray[np.bool_], says_no_data: bool = False
 ) -> tuple[int, int] | None:
-    """Row and column of the first height that stands for no data and does not say so. The extremes of a type of 16 bits
-    or more are no heights, nor is anything of 1e30 or more; nor the lowest, far below all others or the only one, if it
-    is all nines or below -99 000, unless the file says what its no data is."""
+    """Row and column of the first height that stands for no data and does not say so: one of _gnomon.no_data, anything
+    of 1e30 or more, and the extremes of a type of 16 bits or more. Also the lowest or the highest, more than twice as
+    far out as all others or the only one, if it is all nines (_gnomon.no_data_beside_places) or below -99 000, unless
+    the file says what its no data is."""
     is_there = is_there & np.isfinite(heights)
     low, high = heights.min(where=is_there, initial=0), heights.max(where=is_there, initial=0)
-    alone = None if says_no_data or low > NO_HEIGHTS_ALONE[0] else _lowest_alone(heights, is_there, low)
-    if alone is None and low > -9999 and high < 32767:
+    is_usual = low > -99 and high < 9999
+    alone = [] if says_no_data or is_usual else [n for n in (low, high) if _is_alone(heights, is_there, n)]
+    if not alone and low > -9999 and high < 32767:
         return None
     if heights.dtype.kind in "iu":
         limits = np.iinfo(heights.dtype)
         extremes = [n for n in (limits.min, limits.max) if n != 0 and heights.dtype.itemsize > 1]
-        is_wrong = np.isin(heights, np.array([*extremes, *(n for n in NO_HEIGHTS if limits.min <= n <= limits.max)]))
+        listed = [int(n) for n in _gnomon.no_data if limits.min <= n <= limits.max]
+        is_wrong = np.isin(heights, np.array([*extremes, *listed]))
     else:
         with np.errstate(over="ignore"):
-            is_wrong = (np.abs(heights) >= 1e30) | np.isin(heights, np.array(NO_HEIGHTS, heights.dtype))
-    if alone is not None:
-        is_wrong = is_wrong | (heights == alone)
+            is_wrong = (np.abs(heights) >= 1e30) | np.isin(heights, np.array(_gnomon.no_data, heights.dtype))
+    for number in alone:
+        is_wrong = is_wrong | (heights == number)
     found = np.argwhere(is_wrong & is_there)
     return (int(found[0][0]), int(found[0][1])) if len(found) else None
 
 
-def _lowest_alone(heights: NDArray[Any], is_there: NDArray[np.bool_], low: Any) -> Any:
-    """The lowest height, if it stands for no data where all others are less than half as low, and they are, or there
-    are none."""
-    is_nines = low in np.array(NO_HEIGHTS_ALONE).astype(heights.dtype if heights.dtype.kind == "f" else np.float64)
-    if not is_nines and low > LOWEST_HEIGHT:
-        return None
-    others = heights[is_there & (heights != low)]
-    return low if not others.size or others.min() > low / 2 else None
+def _is_alone(heights: NDArray[Any], is_there: NDArray[np.bool_], number: Any) -> bool:
+    """Whether the lowest or highest height stands for no data where no other is half as far out, and none is."""
+    of_type = heights.dtype if heights.dtype.kind == "f" else np.float64
+    is_nines = number in np.array(_gnomon.no_data_beside_places).astype(of_type)
+    if not is_nines and number > LOWEST_HEIGHT:
+        return False
+    others = heights[is_there & (heights != number)]
+    return not others.size or bool((others.min() > number / 2) if number < 0 else (others.max() < number / 2))
 
 
 def is_of_heights(standard_name: str) -> bool:
@@ -283,11 +297,30 @@ def _three_of(names: Any, of_one: str) -> list[Any] | None:
     return None
 
 
+def _labelled(array: Any, name: str) -> Any:
+    """An xarray.DataArray with a dimension whose labels are x, y and z: with them in this order, along the last axis.
+    Other objects stay as they are."""
+    for dim in array.dims if hasattr(array, "dims") and hasattr(array, "sel") and hasattr(array, "transpose") else ():
+        labels = array.coords[dim].values.tolist() if dim in array.coords else []
+        if labels and all(isinstance(one, str) for one in labels) and (three := _three_of(labels, name)):
+            return array.sel({dim: three}).transpose(..., dim)
+    return array
+
+
 def columns_of(array: Any, name: str) -> Any:
-    """Of a table or a structured array the columns x, y and z, of normals nx, ny and nz too, wherever they stand. Other
-    objects stay as they are, and so does a table whose columns have no names."""
-    names = getattr(getattr(array, "dtype", None), "names", None)
-    names = getattr(array, "columns", None) if names is None else names
+    """Of a table, an xarray.Dataset or a structured array the columns x, y and z, of normals nx, ny and nz too,
+    wherever they stand; of a DataArray the labels. Other objects stay as they are, and so does a table whose columns
+    have no names."""
+    array = _labelled(array, name)
+    for part in ("points", "vertices"):
+        if not isinstance(array, np.ndarray) and not hasattr(array, "__array__") and hasattr(array, part):
+            raise TypeError(f"{name}: {type(array).__name__} is no array: give its {part}, numpy.asarray(it.{part})")
+    if hasattr(array, "data_vars"):
+        array = {str(key): value for key, value in array.data_vars.items()}
+        names: Any = list(array)
+    else:
+        names = getattr(getattr(array, "dtype", None), "names", None)
+        names = getattr(array, "columns", None) if names is None else names
     if names is None or callable(names) or not all(isinstance(one, str) for one in names):
         return array
     three = _three_of(names, name)
@@ -349,11 +382,11 @@ def triangles_of(vertices: Any, faces: Any) -> NDArray[Any]:
     if faces is None:
         if values.ndim not in (2, 3) or values.shape[1:] not in ((3, 3), (9,)):
             raise ValueError(f"vertices: shape {values.shape} without faces is neither (F, 3, 3) nor (F, 9)")
-        require_finite(values.reshape(-1, 3), "vertices")
+        require_places(values.reshape(-1, 3), "vertices")
         return values.reshape(-1, 3, 3)
     if values.ndim != 2 or values.shape[1] != 3:
         raise ValueError(f"vertices: shape {values.shape} is not (V, 3)")
-    require_finite(values, "vertices")
+    require_places(values, "vertices")
     indices = integers_on_host(faces, "faces")
     if indices.ndim != 2 or indices.shape[1] != 3:
         raise ValueError(f"faces: shape {indices.shape} is not (F, 3)")
@@ -383,7 +416,7 @@ def normals_of(normals: Any, shape: tuple[int, ...]) -> NDArray[np.float64]:
     if values.shape != shape:
         raise ValueError(f"normals: shape {values.shape} is not the points' {shape}")
     flat = values.reshape(-1, 3).astype(np.float64)
-    require_finite(flat, "normals")
+    require_places(flat, "normals")
     row = first_row((flat == 0).all(axis=1))
     if row is not None:
         raise ValueError(f"normals: row {row} is zero, which is no side")

@@ -19,9 +19,9 @@ NO_LIGHT = 0xFFFFFFFF
 class Lights:
     """A table of M lights, each with a weight. Make it by directions() or positions().
 
-    weights: (M,) float32, negative ones too, but not -9999 and its like, alone below the others, which stand for no
-        data in files; 1 each if not given. A weight is rounded once to a whole number times a
-        power of two that depends on the largest weight and M alone, so that sums do not depend on any order.
+    weights: (M,) float32, negative ones too, but not -9999 or 9999 and their like, far from all others, which stand
+        for no data in files; 1 each if not given. A weight is rounded once to a whole number times a power of two that
+        depends on the largest weight and M alone, so that sums do not depend on any order.
     """
 
     rows: Any
@@ -70,7 +70,7 @@ def table_of(native: _gnomon.WorldLattice | None, lights: Lights) -> _gnomon.Lig
     rows = _arrays.rows_of_triples(lights.rows, name)
     if rows.ndim != 2:
         raise ValueError(f"{name}: shape {rows.shape} is not (M, 3)")
-    _arrays.require_finite(rows, name)
+    _arrays.require_places(rows, name)
     xyzw = np.zeros((len(rows), 4), np.float32)
     if not lights.are_positions:
         with np.errstate(over="ignore"):
@@ -99,7 +99,7 @@ def weights_of(weights: Any, count: int) -> NDArray[np.float32]:
     row = _arrays.first_row(~np.isfinite(rounded))
     if row is not None:
         raise ValueError(f"weights: row {row} {values[row]} is not a finite float32")
-    row = _arrays.first_no_data(rounded[:, None])
+    row = _gnomon.first_absent_weight(rounded.astype(np.float64))
     if row is not None:
         raise ValueError(
             f"weights: row {row} {values[row]} stands for no data in files: make it 0, or leave the light out"
@@ -112,7 +112,7 @@ def normals_for_cosines(normals: Any, shape: tuple[int, ...]) -> NDArray[np.floa
     values = _arrays.rows_of_triples(normals, "normals")
     with np.errstate(over="ignore"):
         rounded = np.ascontiguousarray(np.broadcast_to(values, shape), np.float32).reshape(-1, 3)
-    _arrays.require_finite(rounded, "normals")
+    _arrays.require_places(rounded, "normals")
     return rounded
 
 

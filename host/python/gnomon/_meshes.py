@@ -12,6 +12,9 @@ import numpy as np
 #: Faces of meshio's cells as triangles; cells without area are left out.
 TRIANGLES_OF_CELLS = {"triangle": [[0, 1, 2]], "quad": [[0, 1, 2], [0, 2, 3]]}
 CELLS_WITHOUT_AREA = ("vertex", "line", "line3")
+#: VTK's array of cells and points that are not there, and its bits: copies of another part's cells, cells that finer
+#: ones replace, hidden ones; hidden points. (vtkDataSetAttributes.h)
+GHOSTS, ABSENT_CELL, ABSENT_POINT = "vtkGhostType", 1 | 8 | 32, 2
 #: What is said of the rest; what has not even points is an empty scene.
 WITHOUT_FACES = (
     "vertices: {} is no mesh: it has points or lines and no faces: they shadow nothing; give vertices and faces"
@@ -63,16 +66,25 @@ def _of_pyvista(mesh: Any) -> tuple[Any, Any] | None:
         triangles = surface.triangulate()
     if surface.n_cells and not len(triangles.faces):
         raise TypeError(WITHOUT_FACES.format(type(mesh).__name__))
-    return triangles.points, np.asarray(triangles.faces).reshape(-1, 4)[:, 1:]
+    faces = np.asarray(triangles.faces).reshape(-1, 4)[:, 1:]
+    is_there = np.ones(len(faces), bool)
+    if GHOSTS in triangles.cell_data:
+        is_there &= np.asarray(triangles.cell_data[GHOSTS]) & ABSENT_CELL == 0
+    if GHOSTS in triangles.point_data:
+        is_there &= (np.asarray(triangles.point_data[GHOSTS])[faces] & ABSENT_POINT == 0).all(axis=1)
+    return triangles.points, faces[is_there]
 
 
 def _of_meshio(mesh: Any) -> tuple[Any, Any] | None:
     if not (hasattr(mesh, "points") and hasattr(mesh, "cells") and hasattr(mesh, "cell_data")):
         return None
     points, faces = np.asarray(mesh.points), [np.empty((0, 3), np.int64)]
-    for block in mesh.cells:
+    for i, block in enumerate(mesh.cells):
         if block.type in TRIANGLES_OF_CELLS:
-            faces += [np.asarray(block.data)[:, corners] for corners in TRIANGLES_OF_CELLS[block.type]]
+            cells = np.asarray(block.data)
+            if GHOSTS in mesh.cell_data:
+                cells = cells[np.asarray(mesh.cell_data[GHOSTS][i]).astype(np.uint8) & ABSENT_CELL == 0]
+            faces += [cells[:, corners] for corners in TRIANGLES_OF_CELLS[block.type]]
         elif block.type not in CELLS_WITHOUT_AREA:
             raise TypeError(
                 f"vertices: a meshio mesh with cells of type {block.type!r}: of triangles and quads alone the surface "

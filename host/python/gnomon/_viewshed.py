@@ -218,7 +218,7 @@ def _checked(values: NDArray[Any], nodata: float | None) -> NDArray[Any]:
         return np.where(is_there, values, np.array(np.nan, real)).astype(_real_of(real), copy=False)
     if values.dtype in (np.float32, np.float64):
         low, high = _gnomon.range_of_heights(np.ascontiguousarray(values))
-        if low > _arrays.NO_HEIGHTS_ALONE[0] and high < 32767:
+        if low > -99 and high < 9999:
             return values  # no height is one that stands for no data
     _arrays.require_heights(values, np.ones(values.shape, bool), "nodata={}")
     return values.astype(_real_of(values.dtype), copy=False)
@@ -239,6 +239,7 @@ def rounded_ground(
     refraction: float | None = REFRACTION,
     radius: float = EARTH_RADIUS,
     lattice: float | None = None,
+    are_metres: bool = False,
 ) -> _Ground:
     """The raster of a ViewshedGrid, on the host. Raises ValueError with the argument's name."""
     values = np.asarray(_arrays.on_host(heights, "heights"))
@@ -259,7 +260,28 @@ def rounded_ground(
     rows = _axis_of(y, values.shape[0], "y", -float(depth))
     heights = np.ascontiguousarray(_turned(_checked(values, nodata), rows, columns))
     per_square = 0.0 if refraction is None else per_square_of(refraction, radius)
-    return _Ground(heights, rows, columns, per_square, lattice)
+    ground = _Ground(heights, rows, columns, per_square, lattice)
+    if not are_metres:
+        _require_no_degrees(ground, heights)
+    return ground
+
+
+def _require_no_degrees(ground: _Ground, heights: NDArray[Any]) -> None:
+    """Raises ValueError if the cells fit longitudes and latitudes, and must be degrees: they are below a centimetre, or
+    at more than half of them the ground would rise by 100 times the way to the next cell."""
+    x, y = ground.columns.places(), ground.rows.places()
+    width, depth = ground.columns.step, -ground.rows.step
+    if np.abs(x).max() > 361 or np.abs(y).max() > 91:
+        return
+    some = heights[:: 1 + heights.shape[0] // 512]
+    rises = np.abs(np.diff(some, axis=1))
+    rises = rises[np.isfinite(rises)]
+    if min(width, depth) >= 0.01 and not (rises.size and (rises > 100 * width).mean() > 0.5):
+        return
+    raise ValueError(
+        f"heights: the cells, {width:g} wide, look like degrees: warp the raster to a map in metres first, UTM or a "
+        "national grid; if they are metres, say are_metres=True"
+    )
 
 
 class ViewshedGrid:
@@ -267,7 +289,7 @@ class ViewshedGrid:
 
     heights: (R, C), metres; NaN, infinite and masked cells have no data. x, y: (C,), (R,): the cells' centres, equally
     spaced, in either direction; or cell: the cells' size, a number or (width, depth), with row 0 in the north and the
-    centre of the south-westernmost cell at 0, 0.
+    centre of the south-westernmost cell at 0, 0. are_metres: the cells are metres, however much they look like degrees.
     """
 
     def __init__(
@@ -281,11 +303,13 @@ class ViewshedGrid:
         refraction: float | None = REFRACTION,
         radius: float = EARTH_RADIUS,
         lattice: float | None = None,
+        are_metres: bool = False,
         device: str | Device | None = None,
     ) -> None:
         self._ground = rounded_ground(
-            heights, x=x, y=y, cell=cell, nodata=nodata, refraction=refraction, radius=radius, lattice=lattice
-        )
+            heights, x=x, y=y, cell=cell, nodata=nodata, refraction=refraction, radius=radius, lattice=lattice,
+            are_metres=are_metres,
+        )  # fmt: skip
         self._device = device_of(device)
         self._native = self._uploaded(self._ground.steps)
         self._filled = functools.lru_cache(maxsize=1)(lambda outside: self._uploaded(self._ground.filled(outside)))
@@ -415,9 +439,7 @@ def _observers_of(observers: Any) -> NDArray[np.float64]:
     if places.ndim != 2 or places.shape[1] != 2:
         raise ValueError(f"observers: shape {places.shape} is not (M, 2), x and y of each observer")
     _arrays.require_real(places, "observers")
-    row = _arrays.first_row(~np.isfinite(places).all(axis=1))
-    if row is not None:
-        raise ValueError(f"observers: row {row} {places[row].tolist()} is not finite")
+    _arrays.require_places(places, "observers")
     return places.astype(np.float64)
 
 
@@ -436,6 +458,7 @@ def viewshed(
     refraction: float | None = REFRACTION,
     radius: float = EARTH_RADIUS,
     lattice: float | None = None,
+    are_metres: bool = False,
     bits: bool = False,
     progress: Callable[[float], object] | None = None,
     device: str | Device | None = None,
@@ -446,9 +469,10 @@ def viewshed(
     north-east, as in gnomon.study(). A cell is seen if all of the open line between it and the observer's eye that lies
     over the ground is strictly above it.
 
-    heights, x, y, cell: the raster, in metres (ViewshedGrid). observers: (M, 2), x and y, rounded to 1/256 of a cell.
-    height: of eyes above the ground below them, which is rounded up; above 0. target_height: of what is looked at above
-        the cells. distance: cells farther away (on the map) are not seen. Each a number, or one for each observer.
+    heights, x, y, cell, are_metres: the raster, in metres (ViewshedGrid). observers: (M, 2), x and y, rounded to 1/256
+        of a cell. height: of eyes above the ground below them, which is rounded up; above 0. target_height: of what is
+        looked at above the cells. distance: cells farther away (on the map) are not seen. Each a number, or one for
+        each observer.
     nodata: a value of cells without data, beside NaN, masks and what a DataArray declares. Nothing stands there, unless
     outside: the greatest height of what may stand there. What is seen past it alone is then undecided.
     refraction: k: the ground sinks with the squared distance d by d^2 (1 - k) / 2 radius, 1/7 as GDAL has it; None: the
@@ -464,7 +488,7 @@ def viewshed(
     """
     grid = ViewshedGrid(
         heights, x=x, y=y, cell=cell, nodata=nodata, refraction=refraction, radius=radius, lattice=lattice,
-        device=device,
+        are_metres=are_metres, device=device,
     )  # fmt: skip
     return grid.viewshed(
         observers, height=height, target_height=target_height, distance=distance, outside=outside, bits=bits,

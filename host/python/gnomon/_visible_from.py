@@ -52,7 +52,7 @@ def visible_from(
         raise ValueError("up: must not be zero")
     upwards /= np.linalg.norm(upwards)
     places = _arrays.rows_of_triples(observers, "observers").reshape(-1, 3)
-    _arrays.require_finite(places, "observers")
+    _arrays.require_places(places, "observers")
     if not len(places):
         raise ValueError("observers: there is none")
     if points is None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import datetime
 import os
+import threading
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -207,7 +208,8 @@ def lit_fractions(
     for first in range(0, max(len(towards), 1), block):
         some = np.ascontiguousarray(towards[first : first + block])
         blocks.append(_gnomon.lit_fractions(
-            steps, np.ascontiguousarray(of, np.int32), count, some, float(within), int(limit), threads, centroids
+            steps, np.ascontiguousarray(of, np.int32), count, some, float(within), int(limit), threads, centroids,
+            threading.current_thread() is threading.main_thread(),
         ))  # fmt: skip
         if progress is not None and progress(min(1.0, (first + block) / max(len(towards), 1))) is False:
             raise _gnomon.Cancelled("cancelled")

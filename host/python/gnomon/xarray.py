@@ -67,9 +67,10 @@ class GnomonAccessor:
         runs eastwards, if its name is not one of the usual ones, and it is not the last one."""
         dem, x, y = self._flat(x_dim)
         _require_metres(dem, x, y)
+        are_metres = _crs_of(dem) is not None or all(dem.coords[name].attrs.get("units") for name in dem.dims)
 
         def layers(heights: NDArray[np.float64]) -> NDArray[np.float32]:
-            grid = ViewshedGrid(heights, x=x, y=y, refraction=refraction, radius=radius)
+            grid = ViewshedGrid(heights, x=x, y=y, refraction=refraction, radius=radius, are_metres=are_metres)
             found = grid.viewshed(
                 observers, height=height, target_height=target_height, distance=distance, outside=outside
             )
@@ -140,7 +141,7 @@ class GnomonAccessor:
                 raise ValueError(f"heights: the dimension {name!r} has no coordinates")
         dem = dem.transpose(y_dim, x_dim)
         _require_heights_in_metres(dem)
-        return dem, dem[x_dim].values.astype(np.float64), dem[y_dim].values.astype(np.float64)
+        return dem, _places_along(dem, x_dim), _places_along(dem, str(y_dim))
 
     def _results(self, dem: xarray.DataArray, layers: _Layers, count: int) -> list[xarray.DataArray]:
         """The layers that `layers` makes of the heights, as arrays like `dem`, in the caller's order of dimensions."""
@@ -172,6 +173,26 @@ class GnomonAccessor:
                 result.encoding["grid_mapping"] = dem.encoding["grid_mapping"]
             results.append(result)
         return results
+
+
+def _places_along(dem: xarray.DataArray, name: str) -> NDArray[np.float64]:
+    """The cells' centres along a dimension, in metres or degrees. Raises ValueError."""
+    given = dem.coords[name]
+    if given.dtype.kind not in "iuf" or not np.isfinite(given.values).all():
+        raise ValueError(f"heights: the coordinates {name!r} must be finite numbers, not {given.dtype}")
+    places = given.values.astype(np.float64)
+    step = (places[-1] - places[0]) / max(len(places) - 1, 1)
+    if np.abs(places - (places[0] + step * np.arange(len(places)))).max() > 1e-3 * abs(step) or step == 0:
+        raise ValueError(
+            f"heights: the coordinates {name!r} are not equally spaced: dem.interp({name}=...) makes a grid of heights"
+        )
+    units = str(given.attrs.get("units", "")).strip()
+    if (units.lower().split() or [""])[0] not in _METRES and not units.lower().startswith("degree"):
+        raise ValueError(
+            f"heights: the coordinates {name!r} are in {units!r}, not metres: multiply them by the metres of that "
+            f"unit, as in dem.assign_coords({name}=(dem.{name} * 0.3048).assign_attrs(units='m'))"
+        )
+    return places
 
 
 def _crs_of(dem: xarray.DataArray) -> Any:

@@ -2,6 +2,9 @@
 """Every carrier of *no data* of rasters: declared ones are absent; others are one sentence with file, cell, value and a
 remedy, which is tried here."""
 
+import base64
+import json
+import struct
 import subprocess
 import sys
 
@@ -78,6 +81,16 @@ def test_declared(carrier, tmp_path):
     assert is_absent(hours(tmp_path, raster))
 
 
+def test_a_hole_in_low_ground(tmp_path):
+    """Its corners are no vertices at height 0, which would stand 300 m above the ground."""
+    heights = np.full((24, 24), -300, "float32")
+    heights[HOLE] = -9999
+    raster = write(tmp_path / "dsm.tif", -9999, "float32", -9999)
+    with rasterio.open(raster, "r+") as file:
+        file.write(heights, 1)
+    assert is_absent(hours(tmp_path, raster))
+
+
 def test_declared_elsewhere(tmp_path):
     """In a file beside the raster, and in a VRT around it."""
     raster = write(tmp_path / "dsm.tif", -9999, "float32")
@@ -116,6 +129,8 @@ UNDECLARED = {
     "-999 in int16": (-999, "int16", None),
     "-99.9 in float64": (-99.9, "float64", None),
     "100 km deep": (-100_000, "float32", None),
+    "9999 in int16": (9999, "int16", None),
+    "99999 in float32": (99999, "float32", None),
     "another one is declared": (-32768, "int16", -9999),
 }
 
@@ -192,3 +207,61 @@ def test_a_mesh_with_a_fill_value(tmp_path):
     suns = write_suns(tmp_path / "suns.csv", SUNS)
     with pytest.raises((ValueError, studies.StudyStoppedError), match="stands for no data"):
         studies.study(tmp_path / "study", meshes=[str(mesh)], receivers="points", points=str(points), directions=suns)
+
+
+ROWS = [(0, 0, 4), (8, 0, 4), (8, 8, -9999), (0, 8, 4)]
+
+
+def _off(rows):
+    return "OFF\n4 2 0\n" + "".join("{} {} {}\n".format(*row) for row in rows) + "3 0 1 2\n3 0 2 3\n"
+
+
+def _ply(rows):
+    head = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+    return head + "element face 2\nproperty list uchar int vertex_indices\nend_header\n" + _off(rows)[10:]
+
+
+def _obj(rows):
+    return "".join("v {} {} {}\n".format(*row) for row in rows) + "f 1 2 3\nf 1 3 4\n"
+
+
+def _stl(rows):
+    text = "solid a\n"
+    for face in ((0, 1, 2), (0, 2, 3)):
+        corners = "".join("vertex {} {} {}\n".format(*rows[i]) for i in face)
+        text += f"facet normal 0 0 1\nouter loop\n{corners}endloop\nendfacet\n"
+    return text + "endsolid a\n"
+
+
+def _cityjson(rows):
+    surface = dict(type="MultiSurface", lod="1", boundaries=[[[0, 1, 2]], [[0, 2, 3]]])
+    objects = {"a": dict(type="Building", geometry=[surface])}
+    transform = dict(scale=[1, 1, 1], translate=[0, 0, 0])
+    return json.dumps(dict(type="CityJSON", version="2.0", transform=transform, vertices=rows, CityObjects=objects))
+
+
+def _gltf(rows):
+    positions = struct.pack("<18f", *(float(n) for face in ((0, 1, 2), (0, 2, 3)) for i in face for n in rows[i]))
+    uri = "data:application/octet-stream;base64," + base64.b64encode(positions).decode()
+    return json.dumps(dict(
+        asset=dict(version="2.0"), buffers=[dict(byteLength=72, uri=uri)], bufferViews=[dict(buffer=0, byteLength=72)],
+        accessors=[dict(bufferView=0, componentType=5126, count=6, type="VEC3")],
+        meshes=[dict(primitives=[dict(attributes=dict(POSITION=0))])], nodes=[dict(mesh=0)], scenes=[dict(nodes=[0])],
+    ))  # fmt: skip
+
+
+@pytest.mark.parametrize("suffix", ["obj", "ply", "off", "stl", "city.json", "gltf"])
+def test_a_mesh_with_a_height_of_no_data(suffix, tmp_path):
+    """A roof of four corners, of which one stands for no data: its file is named, and the first place and value."""
+    write_mesh = {"obj": _obj, "ply": _ply, "off": _off, "stl": _stl, "city.json": _cityjson, "gltf": _gltf}[suffix]
+    mesh, points = tmp_path / f"roof.{suffix}", tmp_path / "points.csv"
+    points.write_text("x,y,z\n4,4,1\n50,50,1\n")
+    suns = write_suns(tmp_path / "suns.csv", [(180, 89.9)])
+    settings = dict(meshes=[str(mesh)], receivers="points", points=str(points), directions=suns, outputs=["bits"])
+    up = dict(mesh_up="z") if suffix == "gltf" else {}
+    mesh.write_text(write_mesh(ROWS))
+    with pytest.raises(ValueError, match=rf"roof.{suffix}: .*8.*, 8.*, -9999.* no data"):
+        studies.study(tmp_path / "study", **settings, **up)
+    mesh.write_text(write_mesh([(x, y, 4) for x, y, _ in ROWS]))
+    study = studies.study(tmp_path / "study", **settings, **up, restart=True)
+    assert (study.dataset().lit.values.reshape(-1) & 1).tolist() == [0, 1]

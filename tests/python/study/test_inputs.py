@@ -447,7 +447,7 @@ def ridge(folder, unit="", crs="EPSG:26913", transform=AFFINE, height=100, name=
                 file.units = (unit,) * count
             if tag or tags:
                 file.update_tags(1, **(tags or dict(units=tag)))
-            if scale:
+            if scale is not None:
                 file.scales = (scale,) * count
     return str(folder / name)
 
@@ -572,6 +572,16 @@ def test_grids_that_are_refused(tmp_path, name):
     made, text = REFUSED[name]
     with pytest.raises(ValueError, match=text):
         shadow(tmp_path, ridge(tmp_path, **made))
+
+
+@pytest.mark.parametrize("scale", [0, np.nan])
+def test_a_scale_that_makes_all_heights_alike(tmp_path, scale):
+    """Of two bands; its remedy is tried."""
+    raster = ridge(tmp_path, scale=scale, dtype="int16", count=2)
+    with pytest.raises(ValueError, match="dsm.tif: its values times its scale of .* are no heights: give it") as error:
+        shadow(tmp_path, raster)
+    exec(str(error.value).split("as in: ")[1])
+    assert shadow(tmp_path, raster) == 100
 
 
 @pytest.mark.parametrize("dtype, nodata", [("int16", -32768), ("uint16", 65535), ("float32", np.nan)])

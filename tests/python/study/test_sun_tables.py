@@ -198,6 +198,9 @@ def test_weights_and_points_are_tables_too(tmp_path):
         read_points(str(tmp_path / "table.npy"))
 
 
+MOVE, SAYS = "leave the row out, or move it a little if it is a place", "(which|of which one) stands for no data"
+
+
 @pytest.mark.parametrize("number", [-9999, -999, -99.9, -32768, -99999, 1e20, -1e20, 9.96921e36, 3.4028235e38])
 def test_numbers_that_stand_for_no_data(tmp_path, number):
     """Weights, points and observers, as text and as arrays."""
@@ -205,17 +208,22 @@ def test_numbers_that_stand_for_no_data(tmp_path, number):
     for name, read, table, first, remedy in (
         ("weights", lambda f: read_weights(f, 3), "weight\n2\n-1\n{0}\n", 'weight = "', "write 0"),
         ("suns", read_suns, "x,y,z,weight\n0,0,-1,2\n0,0,-1,1\n0,1,-1,{0}\n", 'weight = "', "write 0"),
-        ("points", read_points, "x,y,z\n0,0,2\n5e5,5e6,9\n{0},{0},5\n", 'x = "', "leave the row out"),
-        ("observers", read_observers, "x,y\n0,0\n5e5,5e6\n{0},{0}\n", 'x = "', "leave the row out"),
+        ("points", read_points, "x,y,z\n0,0,2\n5e5,5e6,9\n{0},{0},5\n", 'x = "', MOVE),
+        ("points", read_points, "x,y,z\n0,0,2\n5e5,5e6,9\n{0},5e6,5\n", 'x = "', MOVE),
+        ("points", read_points, "x,y,z\n-5e5,-1e6,2\n-7e5,-2e6,9\n-7e5,{0},5\n", '(x = .*)?y = "', MOVE),
+        ("observers", read_observers, "x,y\n0,0\n5e5,5e6\n{0},{0}\n", 'x = "', MOVE),
+        ("observers", read_observers, "x,y\n4e5,5e6\n5e5,5e6\n5e5,{0}\n", '(x = .*)?y = "', MOVE),
     ):
         if name in ("points", "observers") and -9998 < number < 0:
             continue  # a place
+        if name in ("points", "observers") and number > 1e30 and table.count("{0}") == 1:
+            continue  # far, but a place
         file.write_text(table.format(number))
-        with pytest.raises(ValueError, match=f"table.csv, line 4 has {first}.*, which stands for no data: {remedy}$"):
+        with pytest.raises(ValueError, match=f"table.csv, line 4 has {first}.*, {SAYS}: {remedy}$"):
             read(str(file))
         rows = np.genfromtxt(file, delimiter=",", names=True)
         np.save(tmp_path / "table.npy", rows)
-        with pytest.raises(ValueError, match=f"table.npy, row 2 has {first}.*, which stands for no data: {remedy}$"):
+        with pytest.raises(ValueError, match=f"table.npy, row 2 has {first}.*, {SAYS}: {remedy}$"):
             read(str(tmp_path / "table.npy"))
         file.write_text(table.format(0))
         read(str(file))
@@ -227,6 +235,19 @@ def test_numbers_among_their_like_are_data(tmp_path):
     assert read_weights(str(file), 3).tolist() == [-9999, -6000, 2]
     file.write_text("x,y,z\n-9999,-9999,5\n-9998,-9999,5\n")
     assert len(read_points(str(file))) == 2
+    file.write_text("x,y,z\n-9999,9999,5\n9999,-9999,5\n0,0,5\n")  # corners around the origin
+    assert len(read_points(str(file))) == 3
+
+
+@pytest.mark.parametrize("number", [9999, 99999, 999999])
+def test_nines_above_all_weights(tmp_path, number):
+    """As weather files write what is missing; among others as large it is a weight."""
+    file = tmp_path / "table.csv"
+    file.write_text(f"weight\n800\n{number}\n0\n")
+    with pytest.raises(ValueError, match=f'table.csv, line 3 has weight = "{number}", which stands for no data'):
+        read_weights(str(file), 3)
+    file.write_text(f"weight\n{0.6 * number}\n{number}\n0\n")
+    assert read_weights(str(file), 3)[1] == number
 
 
 def test_weights_below_0_are_told(tmp_path):
@@ -291,11 +312,18 @@ def test_records_of_a_npy_file_go_by_their_names(tmp_path):
 
 @pytest.mark.parametrize("text", [
     "0\n1\n2\n", "dni\n0\n1\n2\n", "Direct normal [W/m2]\n0\n1\n2\n", "time,Weight\n10:00,0\n11:00,1\n12:00,2\n",
-    '\ufeff"DNI"\r\n0\r\n1\r\n2\r\n', "weight;note\n0;a\n1;b\n2;c\n",
+    "time,Weights\n10:00,0\n11:00,1\n12:00,2\n", '\ufeff"DNI"\r\n0\r\n1\r\n2\r\n', "weight;note\n0;a\n1;b\n2;c\n",
 ])  # fmt: skip
 def test_weights_keep_their_hours(tmp_path, text):
     (tmp_path / "w.csv").write_text(text, newline="", encoding="utf-8")
     assert read_weights(str(tmp_path / "w.csv"), 3).tolist() == [0, 1, 2]
+
+
+@pytest.mark.parametrize("heading", ["weight", "Weights", "WEIGHT [kWh]"])
+def test_weights_of_suns_by_their_heading(tmp_path, heading):
+    (tmp_path / "suns.csv").write_text(f"azimuth,elevation,{heading}\n170,-3,9\n180,45,2.5\n")
+    table = read_suns(str(tmp_path / "suns.csv"))
+    assert table.weights.tolist() == [2.5] and table.below_horizon == 1
 
 
 def test_a_polar_night_has_no_hours(tmp_path):

@@ -196,3 +196,37 @@ def test_wrong_arrays_are_named():
     for ask in (lambda: undeclared.gnomon.viewshed(PLACE), lambda: undeclared.gnomon.sun_hours(**DAY)):
         with pytest.raises(ValueError, match=r"is -9999, .*: say dem.attrs\['_FillValue'\] = -9999.0"):
             ask()
+
+
+@pytest.mark.parametrize("of", ["viewshed", "sun_hours"])
+def test_coordinates_that_are_no_grid_in_metres(of):
+    dem = dem_of()
+
+    def asked(given):
+        accessor = given.gnomon
+        at = float(dem.x[3]), float(dem.y[3])
+        return accessor.viewshed(at).seen if of == "viewshed" else accessor.sun_hours(**DAY)
+
+    for units in ("US_survey_foot", "ft", "km"):
+        feet = dem.assign_coords(x=dem.x.assign_attrs(units=units))
+        with pytest.raises(ValueError, match=f"heights: the coordinates 'x' are in '{units}', not metres: multiply"):
+            asked(feet)
+    metres = feet.assign_coords(x=(feet.x * 1.0).assign_attrs(units="m"))
+    assert asked(metres).equals(asked(dem))
+    uneven = dem.assign_coords(y=np.where(np.arange(dem.sizes["y"]) == 4, dem.y + 2, dem.y))
+    with pytest.raises(ValueError, match=r"heights: the coordinates 'y' are not equally spaced: dem.interp\(y="):
+        asked(uneven)
+    with pytest.raises(ValueError, match="heights: the coordinates 'x' must be finite numbers, not datetime64"):
+        asked(dem.assign_coords(x=np.arange(dem.sizes["x"]).astype("M8[D]")))
+
+
+def test_wide_cells_in_degrees_are_refused():
+    """A quarter of a degree, by how steep the ground would be; x and y do not say what they are."""
+    dem = xarray.DataArray(
+        np.random.default_rng(3).uniform(0, 900, (20, 30)), dims=("y", "x"),
+        coords={"y": 45 - 0.25 * np.arange(20), "x": 9 + 0.25 * np.arange(30)},
+    )  # fmt: skip
+    with pytest.raises(ValueError, match="look like degrees"):
+        dem.gnomon.viewshed((9.25, 44.75))
+    said = dem.assign_coords(x=dem.x.assign_attrs(units="m"), y=dem.y.assign_attrs(units="m"))
+    assert said.gnomon.viewshed((9.25, 44.75)).seen.sizes == dem.sizes

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from .. import _arrays, _gnomon
 from . import cityjson, ply
-from .rasters import UnreadableError, stamp_of
+from .rasters import UndeclaredNoDataError, UnreadableError, stamp_of
 from .units import require_crs_of_mesh
 
 #: Of files that are read here, and not by trimesh's own readers alone.
@@ -46,7 +46,7 @@ class MeshFile(NamedTuple):
 
 
 def load(name: str) -> MeshFile:
-    """Raises UnreadableError, which names the file."""
+    """Raises UnreadableError or UndeclaredNoDataError, which name the file."""
     return _load(name, stamp_of(name))
 
 
@@ -55,7 +55,7 @@ def reading(name: str) -> Iterator[None]:
     """Makes any error of a loader an UnreadableError that names the file."""
     try:
         yield
-    except UnreadableError:
+    except (UnreadableError, UndeclaredNoDataError):
         raise
     except ModuleNotFoundError as error:
         package = error.name or str(error).split("'")[1]  # trimesh raises its own without the name
@@ -78,10 +78,21 @@ def _load(name: str, stamp: tuple[int, int] | None) -> MeshFile:
         mesh = _loaded(name)
     if not np.isfinite(mesh.triangles).all():
         raise UnreadableError(f"{name}: a coordinate is not finite")
-    _arrays.require_no_fill_values(mesh.triangles.reshape(-1, 9), name)
+    _require_places(mesh.triangles.reshape(-1, 3), name, is_gltf(name))
     if not len(mesh.triangles) and "has no triangles" not in mesh.notes:
         mesh = mesh._replace(notes=(*mesh.notes, "has no triangles"))
     return mesh
+
+
+def _require_places(corners: NDArray[np.float64], name: str, is_asked: bool) -> None:
+    """is_asked: gnomon's loader asked the file's own numbers, before its nodes moved them."""
+    row = _arrays.first_fill_value(corners)
+    row = _arrays.first_absent_place(corners) if row is None and not is_asked else row
+    if row is not None:
+        raise UndeclaredNoDataError(
+            f"{name}: triangle {row // 3} has a corner at {corners[row].tolist()}, of which one number stands for no "
+            "data: leave such triangles out where the file is made, or, if it is a place, move the mesh a little"
+        )
 
 
 def study_triangles(name: str, up: str | None, offset: tuple[float, float, float], crs: str | None) -> MeshFile:
@@ -115,7 +126,10 @@ def is_gltf(name: str) -> bool:
 def _loaded_gltf(name: str) -> MeshFile:
     if not hasattr(_gnomon, "load_scene"):
         raise UnreadableError(f"{name}: this build of gnomon reads no glTF files (docs/python.md, Install)")
-    scene = _gnomon.load_scene(name, scene=None, animation=None, time_s=None, blend=0, decode_alpha=None)
+    try:
+        scene = _gnomon.load_scene(name, scene=None, animation=None, time_s=None, blend=0, decode_alpha=None)
+    except _gnomon.NoDataError as error:
+        raise UndeclaredNoDataError(str(error)) from None
     notes = tuple(warning.removeprefix(f"{name}: ") for warning in scene.warnings)
     doubles = scene.take_doubles()
     return MeshFile(scene.take_triangles().astype(np.float64) if doubles is None else doubles, "y", notes)

@@ -24,7 +24,7 @@ class UnreadableError(OSError):
 
 
 class UndeclaredNoDataError(ValueError):
-    """A raster has a value that no ground has, and does not declare that it stands for no data."""
+    """A raster or a mesh has a value that no ground has, and does not declare that it stands for no data."""
 
 
 class _File(NamedTuple):
@@ -209,6 +209,12 @@ def _checked(name: str) -> Any:
     if interpretation not in ("gray", "undefined") or np.dtype(data.dtypes[0]).kind == "c":
         raise ValueError(
             f"{name}: its first band is no band of heights ({interpretation}, {data.dtypes[0]}; {data.count} in all)"
+        )
+    if not (np.isfinite([data.scales[0], data.offsets[0]]).all() and data.scales[0]):
+        raise ValueError(
+            f"{name}: its values times its scale of {data.scales[0]:g} plus its offset of {data.offsets[0]:g} are no "
+            f"heights: give it others, as in: with rasterio.open({name!r}, 'r+') as file: "
+            f"file.scales, file.offsets = {(1.0,) * data.count}, {(0.0,) * data.count}"
         )
     if data.crs is None:
         _require_no_degrees(name, data)

@@ -10,6 +10,7 @@ import itertools
 import multiprocessing
 import os
 import sys
+import threading
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
@@ -161,7 +162,36 @@ def _stopped(key: Any, error: BaseException) -> StudyStoppedError:
 
 @contextlib.contextmanager
 def executor_of(execution: Execution) -> Iterator[LocalExecutor | DaskExecutor]:
-    """What runs the calls of a study. Clusters that it starts end with the context."""
+    """What runs the calls of a study. Clusters that it starts end with the context. Raises StudyStoppedError in a
+    thread that outlives the main one: Python then starts no threads, which all of this needs."""
+    workers = execution.workers
+    is_remote = execution.client is not None or (isinstance(workers, str) and "://" in workers)
+    if workers and not is_remote:
+        _require_main_guard()
+    try:
+        with _executor_of(execution) as executor:
+            yield executor
+    except RuntimeError as error:
+        if _takes_threads():
+            raise
+        raise StudyStoppedError(
+            "the program's main thread has ended, and a study in another thread cannot go on without it: wait for that "
+            "thread (thread.join()). Tasks that are done are kept: run the same study again to go on"
+        ) from error
+
+
+def _takes_threads() -> bool:
+    """False once the main thread has ended."""
+    try:
+        with ThreadPoolExecutor(1) as pool:
+            pool.submit(int)
+    except RuntimeError:
+        return False
+    return True
+
+
+@contextlib.contextmanager
+def _executor_of(execution: Execution) -> Iterator[LocalExecutor | DaskExecutor]:
     workers, device = execution.workers, execution.device
     if execution.client is not None:
         yield DaskExecutor(execution.client, device)
@@ -177,7 +207,6 @@ def executor_of(execution: Execution) -> Iterator[LocalExecutor | DaskExecutor]:
         with Client(workers) as remote:
             yield DaskExecutor(remote, device)
         return
-    _require_main_guard()
     names = _devices_of(workers, device)
     config = {"distributed.scheduler.allowed-failures": 10, "distributed.worker.memory.terminate": False}
     with dask.config.set(config), _cluster(names) as cluster, Client(cluster) as local:
@@ -199,16 +228,22 @@ def _require_main_guard() -> None:
     frame: FrameType | None = sys._getframe()
     while frame is not None and not (frame.f_globals is main.__dict__ and frame.f_code.co_name == "<module>"):
         frame = frame.f_back
-    if file is None or frame is None or not os.path.isfile(file):
+    is_in_thread = threading.current_thread() is not threading.main_thread()
+    if file is None or (frame is None and not is_in_thread) or not os.path.isfile(file):
         return
     for statement in ast.parse(Path(file).read_bytes()).body:
         if isinstance(statement, ast.If) and "__name__" in ast.dump(statement.test):
             return
-        if statement.lineno <= frame.f_lineno <= (statement.end_lineno or 0):
+        if frame is not None and statement.lineno <= frame.f_lineno <= (statement.end_lineno or 0):
             raise RuntimeError(
                 f"{file}, line {frame.f_lineno}: the worker processes of workers= import this program and would run "
                 'this line again: put it below if __name__ == "__main__":'
             )
+    if is_in_thread and main.__spec__ is None:
+        raise RuntimeError(
+            f"{file}: the worker processes of workers= import this program and would start its thread again: put what "
+            'starts it below if __name__ == "__main__":'
+        )
 
 
 def _devices_of(workers: int | str | Sequence[str], device: str | None) -> list[str | None]:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _gnomon
-from .._arrays import first_no_data, first_no_height, first_row
+from .._arrays import first_absent_place, first_no_height, first_row
 
 SUN_COLUMNS = ("x", "y", "z"), ("x", "y", "z", "weight")
 OBSERVER_COLUMNS = ("x", "y"), ("x", "y", "height")
@@ -89,12 +89,16 @@ class _NpyTable:
     def require_degrees(self, azimuths: list[float], elevations: list[float]) -> None:
         self._headings.require_degrees(azimuths, elevations)  # a table without headings has no angles
 
-    def require_data(self, columns: list[str]) -> None:
-        values = np.stack([self.numbers(name) for name in columns], axis=1)
-        if (row := first_no_data(values)) is not None:
+    def require_places(self, columns: list[str]) -> None:
+        rows = np.stack([self.numbers(name) for name in columns], axis=1)
+        if (row := first_absent_place(rows)) is not None:
             cells = ", ".join(f'{name} = "{self.text(row, name)}"' for name in columns)
-            remedy = "write 0" if len(columns) == 1 else "leave the row out"
-            self.refuse(row, f"{cells}, which stands for no data: {remedy}")
+            remedy = "leave the row out, or move it a little if it is a place"
+            self.refuse(row, f"{cells}, of which one stands for no data: {remedy}")
+
+    def require_weights(self, column: str) -> None:
+        if (row := _gnomon.first_absent_weight(self.numbers(column))) is not None:
+            self.refuse(row, f'{column} = "{self.text(row, column)}", which stands for no data: write 0')
 
     def refuse(self, row: int, reason: str) -> NoReturn:
         raise ValueError(f"{self.file}, row {row} has {reason}")
@@ -144,7 +148,7 @@ def read_suns(file: str) -> SunTable:
     weights = np.ones(len(table))
     if _has(table, "weight"):
         weights = table.float_numbers("weight").astype(np.float64)
-        table.require_data(["weight"])
+        table.require_weights("weight")
     is_up = np.ones(len(table), bool)
     azimuth = elevation = None
     if has_angles:
@@ -193,7 +197,7 @@ def read_weights(file: str, count: int) -> NDArray[np.float64]:
     if len(table) != count:
         raise ValueError(f"{file}: has {len(table)} weights, and must have {count}, one per sun of start..end")
     name = "weight" if _has(table, "weight") else table.names[0]
-    table.require_data([name])
+    table.require_weights(name)
     values: NDArray[np.float64] = table.numbers(name)
     return values
 
@@ -203,7 +207,6 @@ def read_points(file: str) -> NDArray[np.float64]:
     table = _table(file, POINT_COLUMNS, are_points=True)
     positions, with_normals = POINT_COLUMNS
     table.require(list(positions), "points need the columns x, y, z, and nx, ny, nz for the side that they face")
-    table.require_data(list(positions))
     names = with_normals if _has(table, *with_normals) else positions
     points = np.stack([table.numbers(name) for name in names], axis=1)
     found = first_no_height(points[:, 2:3], np.ones((len(points), 1), bool))
@@ -211,6 +214,7 @@ def read_points(file: str) -> NDArray[np.float64]:
         table.refuse(
             found[0], f"z = {points[found[0], 2]:g}, which is no height but stands for no data: leave the row out"
         )
+    table.require_places(list(positions))
     if len(names) > 3 and (row := first_row((points[:, 3:] == 0).all(axis=1))) is not None:
         table.refuse(row, "nx, ny, nz = 0, 0, 0, which is no side")
     return points
@@ -220,6 +224,6 @@ def read_observers(file: str) -> tuple[NDArray[np.float64], NDArray[np.float64] 
     """(M, 2) places of observers, and (M,) heights of their eyes if the table has them. Raises ValueError."""
     table = _table(file, OBSERVER_COLUMNS)
     table.require(["x", "y"], "observers need the columns x, y, and perhaps height")
-    table.require_data(["x", "y"])
+    table.require_places(["x", "y"])
     places = np.stack([table.numbers("x"), table.numbers("y")], axis=1)
     return places, table.numbers("height") if _has(table, "height") else None

@@ -115,7 +115,7 @@ class ViewshedPlan(TiledPlan):
         s, m = self.settings, self.mosaic
         return ViewshedGrid(
             m.heights(0, m.rows, 0, m.columns), x=m.x(0, m.columns), y=m.y(0, m.rows), refraction=s.refraction,
-            radius=s.radius, device=self._device,
+            radius=s.radius, are_metres=True, device=self._device,
         )  # fmt: skip
 
     @property
@@ -290,7 +290,7 @@ def _ground_of(s: ViewshedSettings) -> dict[str, Any]:
                          "it (rio clip), or take larger cells")  # fmt: skip
     ground = rounded_ground(
         mosaic.heights(0, mosaic.rows, 0, mosaic.columns), x=mosaic.x(0, mosaic.columns), y=mosaic.y(0, mosaic.rows),
-        refraction=s.refraction, radius=s.radius,
+        refraction=s.refraction, radius=s.radius, are_metres=True,
     )  # fmt: skip
     rows = np.array(s.observers)
     _, moved = ground.eyes(rows[:, :2], rows[:, 2], s.target_height)
