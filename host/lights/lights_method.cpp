@@ -30,15 +30,16 @@ bool are_scattered(const LightsTraits& traits) {
                                    : traits.lights_per_bundle < tuning.cpu_scattered_lights;
 }
 
-std::size_t vertices_worth_sweeps(const LightsTraits& traits) {
-    if (!traits.is_cpu) return tuning.gpu_vertices_of_point;
-    return are_scattered(traits) ? tuning.cpu_vertices_of_point_scattered : tuning.cpu_vertices_of_point;
+double vertices_worth_sweeps(const LightsTraits& traits) {
+    if (!traits.is_cpu) return double(tuning.gpu_vertices_of_point);
+    if (traits.lights < tuning.min_shared_lights) return double(tuning.cpu_vertices_of_point_few_lights);
+    return std::min(double(tuning.cpu_vertices_of_point), tuning.cpu_vertices_times_bundle / traits.lights_per_bundle);
 }
 
 bool serve_sweeps(const LightsTraits& traits) {
     return traits.raster_vertices != 0 &&
            double(traits.points_at_vertices) >= tuning.share_at_vertices * double(traits.points) &&
-           traits.raster_vertices <= traits.points * vertices_worth_sweeps(traits);
+           double(traits.raster_vertices) <= double(traits.points) * vertices_worth_sweeps(traits);
 }
 
 // On a GPU one light at a time was the fastest for the points of some pictures, seldom for other points. Other points

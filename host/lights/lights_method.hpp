@@ -38,16 +38,18 @@ struct LightsTuning {
     /// Fewer scattered lights than this have sectors of one or two lights each: horizons of a terrain took twice the
     /// time of packets for 40 suns (two cores, 130dda7).
     std::size_t cpu_sector_lights = 64;
-    /// Sweeps decide all vertices of a raster, some 7 ns for each and a light; other methods decide the points alone,
-    /// 30 ns where lights are close together, else 100 or more. So they serve where at least this share of the points
-    /// is at vertices, and a point has no more than this number of vertices (two cores, 330b2f4e). On a GPU 8 vertices
-    /// of a point and 40 or 400 suns take .4 and .5 of the time of horizons, 19 vertices .7 and 1 (H200, this table's
-    /// commit).
+    /// Sweeps decide all vertices of a raster; other methods decide the points alone. So they serve where at least this
+    /// share of the points is at vertices, and a point has no more than a number of vertices: 19 vertices of a point
+    /// and 1, 40, 1,000 suns take 1.6, .7 and .95 of the fastest of the others, 8 vertices and 400 and 4,408 suns (6
+    /// and 26 lights in a bundle) .28 and 1.2 (two cores, AVX-512, cd3b3fb5); 8 vertices and 40 or 400 suns .4 and .5
+    /// of horizons, 19 vertices .7 and 1 (H200, cd3b3fb5).
     double share_at_vertices = 0.875;
-    std::size_t cpu_vertices_of_point = 2, cpu_vertices_of_point_scattered = 8, gpu_vertices_of_point = 8;
+    std::size_t cpu_vertices_of_point = 16, cpu_vertices_of_point_few_lights = 8, gpu_vertices_of_point = 8;
+    /// The same times the mean number of lights in a bundle: others share work among these.
+    double cpu_vertices_times_bundle = 180;
     /// Pairs from which on a raster is searched for: one light and a million vertices take 40 ms by sweeps and 62 by
     /// packets (two cores, 330b2f4e); 4 and 40 suns and 100,000 vertices .95 and .3 of horizons, and 10,000
-    /// vertices 1.5 and 1.1 (H200, this table's commit).
+    /// vertices 1.5 and 1.1 (H200, cd3b3fb5).
     std::size_t cpu_min_raster_pairs = std::size_t(1) << 18, gpu_min_raster_pairs = std::size_t(1) << 19;
     /// Pairs of each triangle from which on a height field is searched for: that takes as long as to decide some
     /// (H200, ec9c821).

@@ -152,16 +152,18 @@ TEST(LightsMethod, ACpuSearchesNoFieldForAFewScatteredLights) {
 TEST(LightsMethod, ACpuTakesSweepsForTheVerticesOfARaster) {
     LightsTraits traits = large_run(true);
     traits.points_at_vertices = traits.points / 8 * 7;
-    traits.raster_vertices = traits.points * lights_tuning.cpu_vertices_of_point;
-    EXPECT_TRUE(gnomon::wants_raster(traits));
-    EXPECT_FALSE(gnomon::wants_height_field(traits));
-    expect_by_rule(traits, Method::sweeps);
-    LightsTraits scattered = traits;
+    LightsTraits dense = traits, scattered = traits, few = traits;
+    dense.lights_per_bundle = lights_tuning.cpu_vertices_times_bundle / 5;
+    dense.raster_vertices = dense.points * 5;
     scattered.lights_per_bundle = 1;
-    scattered.raster_vertices = traits.points * lights_tuning.cpu_vertices_of_point_scattered;
-    expect_by_rule(scattered, Method::sweeps);
-    for (LightsTraits few : {traits, scattered}) {
-        LightsTraits beside = few, sparse = few;
+    scattered.raster_vertices = scattered.points * lights_tuning.cpu_vertices_of_point;
+    few.lights = 1, few.keeps_clusters = true;
+    few.raster_vertices = few.points * lights_tuning.cpu_vertices_of_point_few_lights;
+    for (const LightsTraits& run : {dense, scattered, few}) {
+        EXPECT_TRUE(gnomon::wants_raster(run));
+        EXPECT_FALSE(gnomon::wants_height_field(run));
+        expect_by_rule(run, Method::sweeps);
+        LightsTraits beside = run, sparse = run;
         --beside.points_at_vertices;
         ++sparse.raster_vertices;
         for (const LightsTraits& other : {beside, sparse}) EXPECT_NE(choose_method(other, {}), Method::sweeps);
