@@ -14,7 +14,6 @@ public:
     TriangleCurve(cl::Session& session, const TriangleInputs& triangles);
 
     std::uint32_t count() const { return count_; }
-    /// The number of each triangle along the curve.
     const cl::Buffer& numbers() const { return numbers_; }
     /// The largest magnitude of a coordinate; 0 if there is no finite triangle.
     float largest_coordinate() const { return largest_coordinate_; }

@@ -9,7 +9,6 @@ namespace {
 
 Technique& technique_at(gnomon_technique* technique) { return *at(technique, "technique").technique; }
 
-/// What look() gave, and what belongs to it.
 void give_view(const Device& device, View&& view, gnomon_view*& out, WorkResults& results) {
     Statistics statistics = view.statistics;
     auto made = std::make_unique<gnomon_view>(gnomon_view{device, view, {device, view.points}});

@@ -11,7 +11,6 @@ struct EmbeddedFile {
     std::string_view path;  ///< "kernels/rivals/izb.cl"
     std::string_view text;
 };
-/// The kernels of the core library, of shading, of sight and of the classic techniques.
 std::span<const EmbeddedFile> embedded_kernels();
 std::span<const EmbeddedFile> embedded_kernels_of_shading();
 std::span<const EmbeddedFile> embedded_kernels_of_sight();

@@ -18,21 +18,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string variable(const char* name) {
-    const char* const value = std::getenv(name);
-    return value != nullptr ? value : "";
-}
-
 // Where PoCL keeps kernels, and the variable that says so. Without the folder it starts with no device.
 struct KernelFolder {
     fs::path folder;
     std::string named_by;
 };
 KernelFolder folder_of_pocl() {
-    if (const std::string own = variable("POCL_CACHE_DIR"); !own.empty()) return {own, "POCL_CACHE_DIR"};
-    if (const fs::path cache = variable("XDG_CACHE_HOME"); !cache.empty())
+    if (const std::string own = environment("POCL_CACHE_DIR"); !own.empty()) return {own, "POCL_CACHE_DIR"};
+    if (const fs::path cache = environment("XDG_CACHE_HOME"); !cache.empty())
         return {cache / "pocl" / "kcache", "XDG_CACHE_HOME"};
-    if (const fs::path home = variable("HOME"); !home.empty()) return {home / ".cache" / "pocl" / "kcache", "HOME"};
+    if (const fs::path home = environment("HOME"); !home.empty()) return {home / ".cache" / "pocl" / "kcache", "HOME"};
     return {"/tmp/pocl/kcache", "no variable"};
 }
 
@@ -50,7 +45,7 @@ bool is_writable(fs::path folder) {
 
 // A folder of this user's among temporary files; empty if none can be made.
 fs::path temporary_folder() {
-    for (const fs::path& base : {fs::path(variable("TMPDIR")), fs::path("/tmp"), fs::path("/dev/shm")}) {
+    for (const fs::path& base : {fs::path(environment("TMPDIR")), fs::path("/tmp"), fs::path("/dev/shm")}) {
         if (base.empty()) continue;
         const fs::path folder = base / ("gnomon-pocl-" + std::to_string(geteuid()));
         struct stat found;
@@ -89,8 +84,13 @@ std::vector<std::string> states_of_drivers(const fs::path& vendors) {
 
 }  // namespace
 
+std::string environment(const char* variable) {
+    const char* const value = std::getenv(variable);
+    return value != nullptr ? value : "";
+}
+
 void give_pocl_a_folder() {
-    if (std::getenv("POCL_CACHE_DIR") != nullptr && variable("POCL_CACHE_DIR").empty()) unsetenv("POCL_CACHE_DIR");
+    if (std::getenv("POCL_CACHE_DIR") != nullptr && environment("POCL_CACHE_DIR").empty()) unsetenv("POCL_CACHE_DIR");
     if (is_writable(folder_of_pocl().folder)) return;
     if (const fs::path folder = temporary_folder(); !folder.empty()) setenv("POCL_CACHE_DIR", folder.c_str(), 1);
 }
@@ -98,7 +98,7 @@ void give_pocl_a_folder() {
 std::string why_no_device() {
     const KernelFolder kernels = folder_of_pocl();
     std::string why = "there is no OpenCL device";
-    const std::string vendors = variable("OCL_ICD_VENDORS");
+    const std::string vendors = environment("OCL_ICD_VENDORS");
     const std::vector<std::string> states = states_of_drivers(vendors.empty() ? "/etc/OpenCL/vendors" : vendors);
     if (states.empty())
         why += ", and no driver in " + (vendors.empty() ? "/etc/OpenCL/vendors" : vendors + " (OCL_ICD_VENDORS)") +
@@ -108,7 +108,7 @@ std::string why_no_device() {
         why += "; PoCL starts only where it can write its kernels, and cannot in " + kernels.folder.string() + " (by " +
                kernels.named_by + "): name a folder in POCL_CACHE_DIR";
     for (const char* name : {"POCL_DEVICES", "OCL_ICD_VENDORS", "OCL_ICD_FILENAMES", "CUDA_VISIBLE_DEVICES"})
-        if (std::getenv(name) != nullptr) why += "; " + std::string(name) + " is set to \"" + variable(name) + "\"";
+        if (std::getenv(name) != nullptr) why += "; " + std::string(name) + " is set to \"" + environment(name) + "\"";
     return why;
 }
 

@@ -5,6 +5,9 @@
 
 namespace gnomon::cl {
 
+/// Empty if the variable is not set.
+std::string environment(const char* variable);
+
 /// Names a temporary folder in POCL_CACHE_DIR where PoCL could not write its kernels, since it would then start without
 /// a device, or end the process. Call it before OpenCL is loaded.
 void give_pocl_a_folder();

@@ -3,7 +3,6 @@
 
 #include <dlfcn.h>
 
-#include <cstdlib>
 #include <mutex>
 
 #include "environment.hpp"
@@ -52,10 +51,9 @@ std::string try_to_load_opencl(const std::string& library) {
     const std::lock_guard lock(mutex);
     if (is_loaded) return {};
     give_pocl_a_folder();
-    const char* const variable = std::getenv("GNOMON_OPENCL_LIBRARY");
     std::string failure;
-    if (variable != nullptr && *variable != '\0')
-        failure = load_from(variable);
+    if (const std::string named = environment("GNOMON_OPENCL_LIBRARY"); !named.empty())
+        failure = load_from(named);
     else if (!library.empty())
         failure = load_from(library);
     else if (!load_functions(RTLD_DEFAULT).empty())  // a program's own, or one that a debugger put before it

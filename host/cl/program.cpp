@@ -5,7 +5,6 @@
 #include <array>
 #include <charconv>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -14,6 +13,7 @@
 #include <sstream>
 
 #include "embedded_files.hpp"
+#include "environment.hpp"
 #include "opencl.hpp"
 #include "session.hpp"
 
@@ -40,12 +40,6 @@ constexpr std::array picture_files = {"lists/fill.cl",
                                       "shading/shade.cl",
                                       "occluders/conservative_map.cl",
                                       "occluders/clusters.cl"};
-
-// Empty if the variable is not set.
-std::string environment(const char* variable) {
-    const char* value = std::getenv(variable);
-    return value != nullptr ? value : "";
-}
 
 std::optional<std::string> content_of(const std::filesystem::path& file) {
     std::ifstream stream(file, std::ios::binary);
@@ -272,16 +266,11 @@ void Session::store_cached(const std::string& key, cl_program program) {
     std::filesystem::create_directories(directory, ignored);
     const std::filesystem::path temporary =
         directory / (key + ".part" + std::to_string(reinterpret_cast<std::uintptr_t>(this)));
-    {
-        std::ofstream stream(temporary, std::ios::binary);
-        stream.write(binary.data(), std::streamsize(binary.size()));
-        if (!stream) {
-            stream.close();
-            std::filesystem::remove(temporary, ignored);
-            return;
-        }
-    }
-    std::filesystem::rename(temporary, directory / key, ignored);
+    std::ofstream stream(temporary, std::ios::binary);
+    stream.write(binary.data(), std::streamsize(binary.size()));
+    stream.close();
+    if (stream) std::filesystem::rename(temporary, directory / key, ignored);
+    std::filesystem::remove(temporary, ignored);
 }
 
 // What may help where kernels do not compile.
@@ -298,12 +287,8 @@ cl_program Session::build(const std::string& file, const std::string& source) {
     const char* text = source.c_str();
     const std::size_t size = source.size();
     const std::string options = build_options();
-    cl_program program = nullptr;
-    attempt("reading kernels/" + file, [&] {
-        cl_int code;
-        program = clCreateProgramWithSource(context_, 1, &text, &size, &code);
-        return code;
-    });
+    cl_program program = made("reading kernels/" + file,
+                              [&](cl_int* code) { return clCreateProgramWithSource(context_, 1, &text, &size, code); });
     try {
         attempt("compiling kernels/" + file,
                 [&] { return clBuildProgram(program, 1, &description_.device_id, options.c_str(), nullptr, nullptr); });

@@ -58,12 +58,8 @@ cl_mem Session::allocate(std::size_t bytes) {
         throw OutOfDeviceMemory(what + ", more than its largest allocation of " +
                                     std::to_string(description_.largest_allocation_bytes) + ",",
                                 CL_INVALID_BUFFER_SIZE, "ask for fewer points at once, or use another device");
-    cl_mem memory = nullptr;
-    attempt(what, [&] {
-        cl_int code;
-        memory = clCreateBuffer(context_, CL_MEM_READ_WRITE, bytes, nullptr, &code);
-        return code;
-    });
+    cl_mem memory =
+        made(what, [&](cl_int* code) { return clCreateBuffer(context_, CL_MEM_READ_WRITE, bytes, nullptr, code); });
     if (is_cpu_) ask_for_large_pages(memory, bytes);
     memory_bytes_ += bytes;
     peak_memory_bytes_ = std::max(peak_memory_bytes_, memory_bytes_);
@@ -201,12 +197,8 @@ const Session::BuiltKernel& Session::built(const Kernel& which) {
     auto found = kernels_.find(key);
     if (found == kernels_.end()) {
         cl_program program = program_of(which);
-        cl_kernel kernel = nullptr;
-        attempt(std::string("making kernel ") + name + " of " + file, [&] {
-            cl_int code;
-            kernel = clCreateKernel(program, which.name, &code);
-            return code;
-        });
+        cl_kernel kernel = made(std::string("making kernel ") + name + " of " + file,
+                                [&](cl_int* code) { return clCreateKernel(program, which.name, code); });
         cl_uint count = 0;
         clGetKernelInfo(kernel, CL_KERNEL_NUM_ARGS, sizeof(count), &count, nullptr);
         std::size_t largest = 0;
@@ -314,11 +306,8 @@ void Session::read(cl_mem buffer, void* data, std::size_t bytes, std::size_t fir
 
 void Session::bring_to_host(cl_mem buffer, std::size_t bytes) {
     if (traces_) std::fprintf(stderr, "gnomon: trace: mapping a buffer of %zu bytes, waits\n", bytes);
-    void* mapped = nullptr;
-    attempt("mapping a buffer", [&] {
-        cl_int code;
-        mapped = clEnqueueMapBuffer(queue_, buffer, CL_TRUE, CL_MAP_READ, 0, bytes, 0, nullptr, nullptr, &code);
-        return code;
+    void* const mapped = made("mapping a buffer", [&](cl_int* code) {
+        return clEnqueueMapBuffer(queue_, buffer, CL_TRUE, CL_MAP_READ, 0, bytes, 0, nullptr, nullptr, code);
     });
     attempt("unmapping a buffer", [&] { return clEnqueueUnmapMemObject(queue_, buffer, mapped, 0, nullptr, nullptr); });
 }

@@ -178,7 +178,6 @@ public:
         static_assert(count <= 4, "kernels/lists/fill.cl fills four buffers at most");
         fill_all(fills);
     }
-    /// Makes room for `bytes` bytes, and fills them.
     void reserve_filled(Buffer& buffer, std::uint32_t word, std::size_t bytes) {
         buffer.reserve(*this, bytes);
         fill(buffer, word, bytes);
@@ -187,7 +186,6 @@ public:
     void copy(const Buffer& from, std::size_t from_first, const Buffer& to, std::size_t to_first, std::size_t bytes);
     /// To byte `first` of the buffer.
     void write(cl_mem buffer, const void* data, std::size_t bytes, std::size_t first = 0);
-    /// Makes room for the values, and writes them.
     template <typename Values>
     void upload(Buffer& buffer, const Values& values) {
         const std::size_t bytes = values.size() * sizeof(values[0]);
@@ -237,6 +235,17 @@ private:
     void attempt(std::string_view what, Call&& call) {
         const cl_int injected = injector_ ? injector_(what) : CL_SUCCESS;
         check(injected != CL_SUCCESS ? injected : call(), what);
+    }
+    /// The same for a call that returns what it makes, and its code through a pointer.
+    template <typename Make>
+    auto made(std::string_view what, Make&& make) {
+        decltype(make(nullptr)) object{};
+        attempt(what, [&] {
+            cl_int code = CL_SUCCESS;
+            object = make(&code);
+            return code;
+        });
+        return object;
     }
     /// The same for a command, whose event the call gets a place for where the session profiles.
     template <typename Call>

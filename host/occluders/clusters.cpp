@@ -2,7 +2,6 @@
 #include "occluders/clusters.hpp"
 
 #include <algorithm>
-#include <vector>
 
 #include "kernels/exact/cut_outs.h"
 #include "lists/morton.hpp"
@@ -55,7 +54,6 @@ ClusterParams params_of(const TriangleInputs& triangles, cl_uint cluster_count, 
     return {.triangles = triangles, .cluster_count = cluster_count, .has_pyramid = has_pyramid};
 }
 
-/// The sorted copy of the triangles.
 TriangleInputs in_order(TriangleInputs triangles, const cl::Buffer& vertices) {
     triangles.first_float = 0;
     triangles.vertices = vertices.get();

@@ -17,7 +17,6 @@
 
 namespace gnomon {
 
-/// How lists are made.
 struct ListSettings {
     bool draws_map = true;
     bool judges_map = false;  ///< a map that would cover few texels is left empty and not used

@@ -3,8 +3,6 @@
 // of bins (kernels/occluders/triangle_setup.h).
 #pragma once
 
-#include <algorithm>
-
 #include "kernels/occluders/bin_lists.h"
 #include "kernels/occluders/triangle_setup.h"
 #include "query/inputs.hpp"

@@ -12,7 +12,6 @@ namespace {
 
 constexpr const char* file = "prepared/prepared_light.cl";
 
-// Copies the contents to a buffer of `bytes`.
 void lengthen(cl::Session& session, cl::Buffer& buffer, std::size_t kept_bytes, std::size_t bytes) {
     cl::Buffer longer(session, bytes);
     session.copy(buffer, 0, longer, 0, kept_bytes);

@@ -17,12 +17,16 @@ namespace {
 
 constexpr std::size_t largest_index = std::numeric_limits<cl_uint>::max();
 
+template <typename Value>
+Value info_of(cl_mem memory, cl_mem_info what, const char* call) {
+    Value value{};
+    cl::check(clGetMemObjectInfo(memory, what, sizeof(value), &value, nullptr), call);
+    return value;
+}
+
 void require_context(const Device& device, cl_mem memory, const char* what) {
     if (memory == nullptr) throw InvalidArgument(std::string("the ") + what + " buffer must not be null");
-    cl_context context = nullptr;
-    cl::check(clGetMemObjectInfo(memory, CL_MEM_CONTEXT, sizeof(context), &context, nullptr),
-              "asking a buffer for its context");
-    if (context != device.context())
+    if (info_of<cl_context>(memory, CL_MEM_CONTEXT, "asking a buffer for its context") != device.context())
         throw InvalidArgument(std::string("the ") + what + " buffer belongs to another OpenCL context than the device");
 }
 
@@ -60,13 +64,9 @@ struct Extent {
     std::size_t first, end;
 };
 Extent extent_of(cl_mem memory, std::size_t first_float, std::size_t end_float) {
-    cl_mem parent = nullptr;
-    std::size_t offset = 0;
-    cl::check(clGetMemObjectInfo(memory, CL_MEM_ASSOCIATED_MEMOBJECT, sizeof(parent), &parent, nullptr),
-              "asking a buffer for its parent");
-    if (parent != nullptr)
-        cl::check(clGetMemObjectInfo(memory, CL_MEM_OFFSET, sizeof(offset), &offset, nullptr),
-                  "asking a buffer for its offset");
+    const auto parent = info_of<cl_mem>(memory, CL_MEM_ASSOCIATED_MEMOBJECT, "asking a buffer for its parent");
+    const std::size_t offset =
+        parent != nullptr ? info_of<std::size_t>(memory, CL_MEM_OFFSET, "asking a buffer for its offset") : 0;
     return {parent != nullptr ? parent : memory, offset + first_float * sizeof(float),
             offset + end_float * sizeof(float)};
 }
@@ -303,9 +303,7 @@ Visibility Visibility::share(const Device& device, std::span<float> values) {
 void Visibility::fetch() const {
     if (shared_ == nullptr && count_ != 0)
         throw InvalidArgument("fetch() is for visibility that Visibility::share() made: call read()");
-    void* host = nullptr;
-    cl::check(clGetMemObjectInfo(buffer(), CL_MEM_HOST_PTR, sizeof(host), &host, nullptr),
-              "asking a buffer for its place");
+    const void* const host = info_of<void*>(buffer(), CL_MEM_HOST_PTR, "asking a buffer for its place");
     if (host == shared_ && count_ != 0)
         session_of(device_).bring_to_host(buffer(), count_ * sizeof(float));
     else
@@ -426,9 +424,7 @@ void require_apart(const Points& points, const FacingInputs& sides, const Visibi
 // ---- For the stages -------------------------------------------------------------------------------------------------
 
 std::size_t bytes_of(cl_mem memory) {
-    std::size_t bytes = 0;
-    cl::check(clGetMemObjectInfo(memory, CL_MEM_SIZE, sizeof(bytes), &bytes, nullptr), "asking a buffer for its size");
-    return bytes;
+    return info_of<std::size_t>(memory, CL_MEM_SIZE, "asking a buffer for its size");
 }
 
 std::shared_ptr<void> shared_buffer(const Device& device, cl::Buffer buffer) {

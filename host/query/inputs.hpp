@@ -125,16 +125,11 @@ struct PointInputs {
     std::size_t expected_footprints = 0;  ///< about as many as there are, and the same number in each run
     bool face_light = false;              ///< all points are known to face the light, and not to shadow themselves
 };
-/// The points are known to be lifted off these triangles, towards the eye by which they face.
-inline bool are_lifted_off(const Triangles& triangles, const Points& points) {
-    const auto& eye = Internals::eye(points);
-    return eye && points.is_lifted_off(triangles, *eye);
-}
-/// `is_lifted`: are_lifted_off() the triangles of the run (PointsLayout::is_lifted).
+/// `is_lifted`: known to be lifted off the triangles of the run, towards the eye by which they face.
 PointInputs point_inputs(const Points& points, bool is_lifted = false);
-/// Of a run over these triangles.
 inline PointInputs point_inputs(const Points& points, const Triangles& triangles) {
-    return point_inputs(points, are_lifted_off(triangles, points));
+    const auto& eye = Internals::eye(points);
+    return point_inputs(points, eye && points.is_lifted_off(triangles, *eye));
 }
 
 /// The rays of a camera, and where in a pixel its samples lie.
@@ -144,7 +139,6 @@ struct CameraSamples {
     float first_sample;
 };
 
-/// A projection on the device.
 struct ProjectionInput {
     ProjectionInput(const cl::Buffer& on_device, bool directional = false)
         : buffer(on_device), is_directional(directional) {}

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 // Lights and cameras: plain values, checked where they are made.
-#include <algorithm>
 #include <cmath>
 
 #include <gnomon.hpp>

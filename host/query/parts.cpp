@@ -89,7 +89,6 @@ OpenPoints all_open(const Device& device, const Points& points, std::span<const 
     return open;
 }
 
-/// A part of the scene's triangles, on the device.
 struct Part {
     Triangles triangles;
     std::size_t first;  ///< id of its first triangle in the whole scene

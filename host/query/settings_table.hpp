@@ -61,7 +61,6 @@ public:
     };
     SettingsTable(std::initializer_list<Row> rows) : rows_(rows) {}
 
-    /// Sets every field to its row's default.
     Settings defaults() const {
         Settings settings{};
         for (const Row& row : rows_) row.apply(settings, {row.description.name, row.description.default_value});

@@ -75,8 +75,9 @@ const cl::Buffer* FacingStage::make_cache(cl::Session& session, const FacingPara
     return &cache_;
 }
 
-void FacingStage::face(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
-                       const PointInputs& points, cl_mem visibility, const cl::Buffer& counters, bool opens_points) {
+void FacingStage::run(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
+                      const PointInputs& points, cl_mem visibility, const cl::Buffer& counters, bool opens_points) {
+    opens_points = opens_points && triangles.count != 0;
     const std::size_t bytes = frame_count_of(light_frame) * sizeof(PointBounds);
     frame_bounds_.reserve(session, bytes);
     const bool filters = !session.is_cpu() && share_facing(points) && points.footprints == nullptr;
@@ -94,18 +95,13 @@ void FacingStage::face(cl::Session& session, const LightFrame& light_frame, cons
                 {visibility, frame_bounds_, counters, cache, blocks(), filters ? &undecided_ : nullptr});
 }
 
-void FacingStage::run(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
-                      const PointInputs& points, cl_mem visibility, const cl::Buffer& counters) {
-    face(session, light_frame, triangles, points, visibility, counters, triangles.count != 0);
-}
-
 FrameCounters FacingStage::run_alone(cl::Session& session, Statistics& statistics, const TriangleInputs& triangles,
                                      const PointInputs& points, const Light& light, cl_mem visibility,
                                      cl::Buffer& counters) {
     if (points.layout.count == 0) return {};
     cl::StageTimer timer(session, statistics, "facing");
     counters.reserve(session, sizeof(FrameCounters));
-    face(session, make_light_frame(light, {1, 0}), triangles, points, visibility, counters, false);
+    run(session, make_light_frame(light, {1, 0}), triangles, points, visibility, counters, false);
     timer.next(nullptr);
     return session.read_value<FrameCounters>(counters);
 }

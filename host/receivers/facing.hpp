@@ -11,9 +11,9 @@ namespace gnomon {
 class FacingStage {
 public:
     /// Writes every point's visibility, frame_bounds(), and the points' counts in `counters` (FrameCounters, zeroed
-    /// here).
+    /// here). Without `opens_points` all points that do not face away are lit, and no bounds are taken.
     void run(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
-             const PointInputs& points, cl_mem visibility, const cl::Buffer& counters);
+             const PointInputs& points, cl_mem visibility, const cl::Buffer& counters, bool opens_points = true);
     /// For techniques without frames: decides the backfacing points, and makes all other points lit. Returns the
     /// counts, in `counters`, which then has room for FrameCounters.
     FrameCounters run_alone(cl::Session& session, Statistics& statistics, const TriangleInputs& triangles,
@@ -28,9 +28,6 @@ public:
     const cl::Buffer& undecided() const { return undecided_; }
 
 private:
-    /// `opens_points`: else all points that do not face away are lit, and no bounds are taken.
-    void face(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
-              const PointInputs& points, cl_mem visibility, const cl::Buffer& counters, bool opens_points);
     /// Null: every point classifies its receiver.
     const cl::Buffer* make_cache(cl::Session& session, const FacingParams& params, const TriangleInputs& triangles,
                                  const PointInputs& points, const cl::Buffer& counters);

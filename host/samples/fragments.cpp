@@ -119,7 +119,6 @@ private:
         return bands * tiles_x << 2 * CAMERA_TILE_LOG2;
     }
 
-    /// The pixel's position in the picture.
     std::size_t pixels_of_batch() const {
         const std::uint32_t first_row = batch_.first_tile / batch_.tiles_x << CAMERA_TILE_LOG2;
         return std::size_t(view_.width) * std::min(batch_.bands << CAMERA_TILE_LOG2, view_.height - first_row);

@@ -25,7 +25,6 @@ struct SampledView {
     std::size_t points_at_once;
 };
 
-/// The pattern as the kernels take it.
 SamplePattern pattern_of(std::span<const SampleOffset> offsets);
 
 class FragmentBuffers;

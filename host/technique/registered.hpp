@@ -17,7 +17,6 @@ Registered registered() {
     return {T::describe(), [](const Device& device) { return std::make_unique<T>(device); }};
 }
 
-/// The exact technique, which the core library has.
 Registered frustum_traced_technique();
 
 /// Adds techniques to those that make_technique() knows (rivals/rivals.cpp). Any thread may call it.

@@ -2,7 +2,6 @@
 // The public functions: techniques by their names (technique/registered.hpp), and their runs.
 #include <gnomon.hpp>
 
-#include <algorithm>
 #include <functional>
 #include <iterator>
 #include <mutex>

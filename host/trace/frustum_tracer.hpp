@@ -66,7 +66,6 @@ public:
     /// Sorts points that come in no order first, if that saves time.
     Statistics run(const Triangles& triangles, const PointInputs& points, const Light& light, cl_mem visibility,
                    const TracePlan& plan = {});
-    /// Decides all points, frame by frame.
     void run_frames(const FramedInputs& in, TracedRun& run);
 
     /// run() with a record of provenance: a PROVENANCE_... for each point.

@@ -7,7 +7,6 @@
 
 namespace gnomon {
 
-/// The moments at which provenance is recorded.
 enum class Moment { after_facing, after_trace, after_exact_trace, before_queue_overflow };
 
 class Provenance {

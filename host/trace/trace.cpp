@@ -32,7 +32,7 @@ TraceParams Trace::params(const TraceInputs& inputs) const {
             .frame_count = inputs.frame_count,
             .has_map = inputs.map != nullptr,
             .has_block_bounds = 0,
-            .queue_capacity = capacity_,
+            .queue_capacity = queue_.capacity(),
             .round_points = 0,
             .padding = 0};
 }
@@ -50,8 +50,8 @@ void Trace::run(cl::Session& session, Task task, const TraceInputs& inputs, cons
     const auto launch_with = [&](const auto& last) {
         session.launch(variant(session, task, inputs.light_frame.perspective == 0, inputs.triangles.has_cut_outs),
                        range, params, inputs.projections, points.positions, points.receivers, inputs.triangles.vertices,
-                       inputs.map != nullptr ? *inputs.map : queue_, lists.ranges, lists.entries, lists.records,
-                       lists.bounds, inputs.visibility, queue_, inputs.counters, last);
+                       inputs.map != nullptr ? *inputs.map : queue(), lists.ranges, lists.entries, lists.records,
+                       lists.bounds, inputs.visibility, queue(), inputs.counters, last);
     };
     if (session.lanes() == 1)
         launch_with(cl::LocalBytes{params.round_points * sizeof(cl_uint)});
@@ -60,30 +60,23 @@ void Trace::run(cl::Session& session, Task task, const TraceInputs& inputs, cons
 }
 
 void Trace::decide_queue(cl::Session& session, const TraceInputs& inputs) const {
-    session.launch(inputs.triangles.kernel("trace/exact_trace.cl", "exact_trace"), session.block_shares(capacity_),
-                   params(inputs), inputs.points.positions, inputs.triangles.vertices, queue_, inputs.visibility,
-                   inputs.counters);
+    session.launch(inputs.triangles.kernel("trace/exact_trace.cl", "exact_trace"),
+                   session.block_shares(queue_.capacity()), params(inputs), inputs.points.positions,
+                   inputs.triangles.vertices, queue(), inputs.visibility, inputs.counters);
 }
 
 // Room for the pairs of most pictures (the built-in one has 65,400 of 2 million points): the kernel for a queue
 // overflow takes a second or two to compile.
 void Trace::reserve_queue(cl::Session& session, const PointInputs& points) {
-    if (capacity_ != 0) return;
-    reserve(session, first_capacity_ != 0 ? first_capacity_ : std::max(initial_capacity, points.layout.count / 8));
-}
-
-void Trace::reserve(cl::Session& session, std::uint32_t capacity) {
-    capacity_ = 0;  // stays so if the next line throws
-    capacity = std::max(capacity, 1u);
-    queue_.reserve(session, std::size_t(capacity) * 2 * sizeof(cl_uint));
-    capacity_ = capacity;
+    if (capacity() != 0) return;
+    queue_.reserve(session,
+                   first_capacity_ != 0 ? first_capacity_ : std::max(initial_capacity, points.layout.count / 8));
 }
 
 bool Trace::fitted(cl::Session& session, const PointInputs& points, const FrameCounters& counted) {
-    if (counted.uncertain <= capacity_) return true;
+    if (counted.uncertain <= capacity()) return true;
     const std::uint64_t wanted = counted.uncertain + std::uint64_t(counted.uncertain) / 4;
-    const std::uint32_t most = std::max({points.layout.count, capacity_, initial_capacity});
-    reserve(session, static_cast<std::uint32_t>(std::min<std::uint64_t>(wanted, most)));
+    queue_.reserve(session, std::min<std::uint64_t>(wanted, std::max(points.layout.count, initial_capacity)));
     return false;
 }
 

@@ -33,7 +33,6 @@ struct TraceInputs {
     const cl::Buffer& counters;
 };
 
-/// The inputs of a trace in one frame of a run.
 inline TraceInputs trace_inputs(const FramedInputs& in, cl_uint frame, const cl::Buffer& projection,
                                 const cl::Buffer* map, const ListBuffers& lists, const cl::Buffer& counters) {
     return {in.light_frame, frame, 1, in.triangles, in.points, projection, map, lists, in.visibility, counters};
@@ -58,17 +57,15 @@ public:
     /// Capacity of the queue before its first use.
     void reserve_queue(cl::Session& session, const PointInputs& points);
     TraceParams params(const TraceInputs& inputs) const;
-    std::uint32_t capacity() const { return capacity_; }
-    const cl::Buffer& queue() const { return queue_; }
+    std::uint32_t capacity() const { return queue_.capacity(); }
+    const cl::Buffer& queue() const { return queue_.buffer(); }
 
     static constexpr std::uint32_t initial_capacity = 1u << 16;
     void limit_initial_capacity(std::uint32_t capacity) { first_capacity_ = capacity; }
 
 private:
-    void reserve(cl::Session& session, std::uint32_t capacity);
-
-    cl::Buffer queue_;
-    std::uint32_t capacity_ = 0, first_capacity_ = 0;
+    GrowingList queue_{2 * sizeof(cl_uint)};
+    std::uint32_t first_capacity_ = 0;
 };
 
 }  // namespace gnomon

@@ -29,7 +29,6 @@ static void find_visible(VisibilityWork* work, __local ListBatch* batch) {
     }
 }
 #else
-// The nearest triangles of some of the tiles.
 GN_NOINLINE_ON_CPU void find_visible(ItemRange items, VisibilityWork* work) {
     __constant const Projection* projection = work->projection;
     TileBlocks tile;
@@ -86,8 +85,6 @@ __kernel void camera_chunks(uint tile_count, uint long_list, __global const uint
     }
 }
 #endif
-
-// ---- Shading points -------------------------------------------------------------------------------------------------
 
 static float3 eye_of_camera(CameraParams params) { return (float3)(params.eye[0], params.eye[1], params.eye[2]); }
 
@@ -170,8 +167,6 @@ __kernel void camera_normals(CameraParams params, __global const float* vertices
     make_normals(GN_SHARED_RANGE(params.width * params.height), params, vertices, visible, normals);
     GN_END_SHARES;
 }
-
-// ---- Points of a caller ---------------------------------------------------------------------------------------------
 
 // Lifts each point off its receiver as camera.h describes it for the camera's points; the given point is used as the
 // hit. A point that is absent, or has no receiver with a plane, is not moved. Packed xyz.

@@ -41,7 +41,6 @@ __kernel void camera_filter(const CameraParams params, __constant const Projecti
     }
 }
 
-// Decides the open pairs.
 __kernel void camera_open_pairs(const CameraParams params, __global const float* vertices, __global const float* rays,
                                 __global const TriangleBounds* bounds, __global const uint2* open_pairs,
                                 uint open_capacity, __global uint* visible, __global const FrameCounters* counters) {

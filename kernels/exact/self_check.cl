@@ -13,56 +13,11 @@
 #include "exact/det3.clh"
 #include "exact/self_check.h"
 
-// The operations on trial. A build option may replace one, so that a test can see each fault found.
-#ifndef TRIED_PRODUCT_PLUS
-#define TRIED_PRODUCT_PLUS(a, b, c) ((a) * (b) + (c))
-#endif
-#ifndef TRIED_RESIDUAL  // of s = a + b, rounded
-#define TRIED_RESIDUAL(a, b, s) (((a) - ((s) - ((s) - (a)))) + ((b) - ((s) - (a))))
-#endif
-#ifndef TRIED_ADD
-#define TRIED_ADD(a, b) ((a) + (b))
-#endif
-#ifndef TRIED_FMA
-#define TRIED_FMA(a, b, c) fma(a, b, c)
-#endif
-#ifndef TRIED_COPY
-#define TRIED_COPY(x) (x)
-#endif
-#ifndef TRIED_MUL_HI
-#define TRIED_MUL_HI(a, b) mul_hi(a, b)
-#endif
-#ifndef TRIED_MIN
-#define TRIED_MIN(p, x) atomic_min(p, x)
-#endif
-#ifndef TRIED_SIGN
-#define TRIED_SIGN(u1, u0, v1, v0, w1, w0) det3_sign_exact(u1, u0, v1, v0, w1, w0)
-#endif
-#ifndef TRIED_DECISION
-#define TRIED_DECISION(u1, u0, v1, v0, w1, w0, level) det3_sign(u1, u0, v1, v0, w1, w0, level)
-#endif
-#ifndef TRIED_DOUBLE_PRODUCT_PLUS
-#define TRIED_DOUBLE_PRODUCT_PLUS(a, b, c) ((a) * (b) + (c))
-#endif
-#ifndef TRIED_DOUBLE_RESIDUAL
-#define TRIED_DOUBLE_RESIDUAL(a, b, s) (((a) - ((s) - ((s) - (a)))) + ((b) - ((s) - (a))))
-#endif
-#ifndef TRIED_SQRT
-#define TRIED_SQRT(x) sqrt(x)
-#endif
-#ifndef TRIED_WIDEN
-#define TRIED_WIDEN(x) ((double)(x))
-#endif
-#ifndef TRIED_NARROW
-#define TRIED_NARROW(x) convert_float_rte(x)
-#endif
-
-#ifndef TRIED_WIDE_REGISTERS  // those of a target for x86, known when it is compiled
+// The registers of a target for x86, known when the kernel is compiled.
 #if defined(__x86_64__) && !defined(__AVX512F__)
-#define TRIED_WIDE_REGISTERS 0
+#define HAS_WIDE_REGISTERS 0
 #else
-#define TRIED_WIDE_REGISTERS 1
-#endif
+#define HAS_WIDE_REGISTERS 1
 #endif
 
 static void demand(uint* faults, int fault, bool holds) {
@@ -78,23 +33,22 @@ static void check_floats(uint* faults, uint zero) {
     float a = as_float(0x3F800800u ^ zero), minus_square = as_float(0xBF801000u ^ zero);
     float square = a * a;
     float rest = square + minus_square;
-    int4 rests = as_int4(TRIED_PRODUCT_PLUS((float4)(a), (float4)(a), (float4)(minus_square)));
-    demand(faults, FAULT_FUSED,
-           as_uint(TRIED_PRODUCT_PLUS(a, a, minus_square)) == 0u && as_uint(rest) == 0u && !any(rests != (int4)(0)));
+    int4 rests = as_int4((float4)(a) * (float4)(a) + (float4)(minus_square));
+    demand(faults, FAULT_FUSED, as_uint(a * a + minus_square) == 0u && as_uint(rest) == 0u && !any(rests != (int4)(0)));
 
     // 1 + 5/4 ulp rounds to 1 + ulp and leaves ulp / 4.
     float b = as_float(0x34200000u ^ zero);
     float sum = one + b;
-    demand(faults, FAULT_REORDERED, as_uint(TRIED_RESIDUAL(one, b, sum)) == 0x33000000u);
+    demand(faults, FAULT_REORDERED, as_uint((one - (sum - (sum - one))) + (b - (sum - one))) == 0x33000000u);
 
     demand(faults, FAULT_ROUNDING,
-           as_uint(TRIED_ADD(one, half_ulp)) == 0x3F800000u && as_uint(TRIED_ADD(one + ulp, half_ulp)) == 0x3F800002u &&
-               as_uint(TRIED_ADD(-one, -half_ulp)) == 0xBF800000u && as_uint(square) == 0x3F801000u);
+           as_uint(one + half_ulp) == 0x3F800000u && as_uint((one + ulp) + half_ulp) == 0x3F800002u &&
+               as_uint((-one) + (-half_ulp)) == 0xBF800000u && as_uint(square) == 0x3F801000u);
 
     // The same tie: 2^-80 more breaks it, unless a sum that is rounded before loses the 2^-80.
     float little = as_float(0x17800000u ^ zero);
     demand(faults, FAULT_FMA,
-           as_uint(TRIED_FMA(a, a, minus_square)) == 0x33800000u && as_uint(TRIED_FMA(a, a, little)) == 0x3F801001u);
+           as_uint(fma(a, a, minus_square)) == 0x33800000u && as_uint(fma(a, a, little)) == 0x3F801001u);
 }
 
 // `kept` are floats in memory: two denormals and the largest. They are loaded, selected and stored, as the exact level
@@ -104,9 +58,9 @@ static void check_copies(uint* faults, __global float* kept, uint zero) {
     float3 v = (float3)(kept[0], kept[1], kept[2]);
     float3 w = vload3(0, kept);
     float chosen = coordinate_of(zero != 0u ? v : w, (int)zero + 1);
-    kept[3] = TRIED_COPY(v.x);
+    kept[3] = v.x;
     demand(faults, FAULT_DENORMAL_COPIED,
-           as_uint(TRIED_COPY(v.x)) == 0x00000001u && as_uint(w.x) == 0x00000001u && as_uint(chosen) == 0x807FFFFFu &&
+           as_uint(v.x) == 0x00000001u && as_uint(w.x) == 0x00000001u && as_uint(chosen) == 0x807FFFFFu &&
                ((__global uint*)kept)[3] == 0x00000001u);
 }
 
@@ -115,7 +69,7 @@ static void check_integers(uint* faults, uint zero) {
     uint word = 0xFFFFFFFFu ^ zero;
     ulong carried = (ulong)word + word + 1u;
     demand(faults, FAULT_INTEGERS,
-           TRIED_MUL_HI(ones, ones) == 0xFFFFFFFFFFFFFFFEul && TRIED_MUL_HI(ones >> 16, (ulong)0xFFFFFFu) == 0xFFul &&
+           mul_hi(ones, ones) == 0xFFFFFFFFFFFFFFFEul && mul_hi(ones >> 16, (ulong)0xFFFFFFu) == 0xFFul &&
                (ulong)word * word == 0xFFFFFFFE00000001ul && (ones << (zero + 31u)) == 0xFFFFFFFF80000000ul &&
                (ones >> (zero + 33u)) == 0x7FFFFFFFul && (ones >> zero) == ones && carried == 0x1FFFFFFFFul);
 }
@@ -129,14 +83,15 @@ static void check_keys(uint* faults, __global SelfCheckResult* result, uint zero
         uint key = float_to_key(x);
         demand(faults, FAULT_KEYS, key > before && as_uint(key_to_float(key)) == rising[i]);
         before = key;
-        TRIED_MIN(&result->min_key, key);
+        atomic_min(&result->min_key, key);
         atomic_max(&result->greatest_key, key);
     }
 }
 
 // Rows (x, y, 0), (p, q, 0), (0, 0, 1): x q - y p, over the whole range of floats.
 static int sign_of_minor(float x, float y, float p, float q, float3 origin) {
-    return TRIED_SIGN((float3)(x, y, 0.0f), origin, (float3)(p, q, 0.0f), origin, (float3)(0.0f, 0.0f, 1.0f), origin);
+    return det3_sign_exact((float3)(x, y, 0.0f), origin, (float3)(p, q, 0.0f), origin, (float3)(0.0f, 0.0f, 1.0f),
+                           origin);
 }
 
 static void check_exact(uint* faults, __global const float* kept, uint zero) {
@@ -181,8 +136,8 @@ static void check_mixed_items(uint* faults, uint zero) {
         long determinant = c * (u[1] * v[2] - u[2] * v[1]);
         float3 start = float_point(origin, nothing);
         int level = DET3_BY_FLOAT;
-        int sign = TRIED_DECISION(float_point(origin, u), start, float_point(origin, v), start, float_point(origin, w),
-                                  start, &level);
+        int sign = det3_sign(float_point(origin, u), start, float_point(origin, v), start, float_point(origin, w),
+                             start, &level);
         demand(faults, FAULT_ITEMS_MIXED, sign == (determinant > 0l) - (determinant < 0l));
     }
 }
@@ -195,22 +150,22 @@ static void check_doubles(uint* faults, __global const float* kept, uint zero) {
     double a = as_double(0x3FF0000002000000ul ^ none), minus_square = as_double(0xBFF0000004000000ul ^ none);
     double square = a * a;
     double rest = square + minus_square;
-    demand(faults, FAULT_DOUBLE_FUSED,
-           as_ulong(TRIED_DOUBLE_PRODUCT_PLUS(a, a, minus_square)) == 0ul && as_ulong(rest) == 0ul);
+    demand(faults, FAULT_DOUBLE_FUSED, as_ulong(a * a + minus_square) == 0ul && as_ulong(rest) == 0ul);
     double b = as_double(0x3CB4000000000000ul ^ none);  // 5/4 ulp
     double sum = one + b;
-    demand(faults, FAULT_DOUBLE_REORDERED, as_ulong(TRIED_DOUBLE_RESIDUAL(one, b, sum)) == 0x3C90000000000000ul);
+    demand(faults, FAULT_DOUBLE_REORDERED,
+           as_ulong((one - (sum - (sum - one))) + (b - (sum - one))) == 0x3C90000000000000ul);
     double three = as_double(0x4008000000000000ul ^ none);
     double above_tie = as_double(0x3FF0000010000001ul ^ none);  // of floats: 1 + 2^-24 + 2^-52
     demand(faults, FAULT_DOUBLE_ROUNDING,
-           as_ulong(one / three) == 0x3FD5555555555555ul && as_ulong(TRIED_SQRT(three)) == 0x3FFBB67AE8584CAAul &&
+           as_ulong(one / three) == 0x3FD5555555555555ul && as_ulong(sqrt(three)) == 0x3FFBB67AE8584CAAul &&
                as_ulong(one + as_double(0x3CA0000000000000ul ^ none)) == 0x3FF0000000000000ul &&
                as_uint(convert_float_rte(above_tie)) == 0x3F800001u);
-    demand(faults, FAULT_DENORMAL_WIDENED, as_ulong(TRIED_WIDEN(kept[0])) == 0x36A0000000000000ul);
+    demand(faults, FAULT_DENORMAL_WIDENED, as_ulong((double)kept[0]) == 0x36A0000000000000ul);
     // In units of the smallest denormal: 5/2, a tie that goes to 2, and minus a little more than 1/2, which goes to -1.
     double tie = as_double(0x36B4000000000000ul ^ none), above_half = as_double(0xB690000000000001ul ^ none);
     demand(faults, FAULT_DENORMAL_NARROWED,
-           as_uint(TRIED_NARROW(tie)) == 0x00000002u && as_uint(TRIED_NARROW(above_half)) == 0x80000001u);
+           as_uint(convert_float_rte(tie)) == 0x00000002u && as_uint(convert_float_rte(above_half)) == 0x80000001u);
 }
 #endif
 
@@ -224,7 +179,7 @@ __kernel void self_check(__global SelfCheckResult* result, __global float* kept)
         check_copies(&faults, kept, zero);
         check_integers(&faults, zero);
         check_exact(&faults, kept, zero);
-        if (GN_LANES > 1) demand(&faults, FAULT_WIDE_VECTORS, TRIED_WIDE_REGISTERS);
+        if (GN_LANES > 1) demand(&faults, FAULT_WIDE_VECTORS, HAS_WIDE_REGISTERS);
 #ifdef GN_FP64
         check_doubles(&faults, kept, zero);
 #endif

@@ -48,7 +48,6 @@ static CellBox box_of(const HeightField field, Triangle t, float per_length, uin
                      cells_met(low.y, high.y, field.corner[1], per_length, rows)};
 }
 
-// Counts the triangles of each cell.
 __kernel void field_counts(const HeightField field, __global const float* vertices, __global uint* counts,
                            __global FieldCounters* counters) {
     GN_FOR_EACH(i, field.triangles.count) {
@@ -221,7 +220,6 @@ __kernel void field_lowest_level(const FieldLevel level, __global const uint* le
     }
 }
 
-// Makes each further level from the level below.
 __kernel void field_level(const FieldLevel below, const FieldLevel level, __global uint* pyramid) {
     GN_FOR_EACH(i, level.columns * (size_t)level.rows) {
         uint x = 2u * (uint)(i % level.columns), y = 2u * (uint)(i / level.columns), bounds = 0xFFFFu;

@@ -48,8 +48,6 @@ static LaneInt lanes_inside(const FieldBlock* block, const HeightField* field) {
            LANE_COMPARE(block->at.x, <=, (LaneFloat)(sides[2])) & LANE_COMPARE(block->at.y, <=, (LaneFloat)(sides[3]));
 }
 
-// ---- Strips ---------------------------------------------------------------------------------------------------------
-
 // Updates the lower bounds by one part of each stretch.
 static void meet_first_parts(Horizon* horizon, const FieldBlock* block, uint stretch_count, const FieldScene* scene) {
     for (uint g = 0; g < stretch_count; ++g) {
@@ -121,8 +119,6 @@ static Horizon horizon_of(const FieldBlock* block, __global const HorizonSector*
     return horizon;
 }
 
-// ---- Lights ---------------------------------------------------------------------------------------------------------
-
 // For each point of a block, the lights that certainly reach it, the lights that certainly do not, and, among all
 // others, the lights that may be below the horizon's lower bound.
 typedef struct SectorLights {
@@ -148,8 +144,6 @@ static SectorLights lights_by(const Horizon* horizon, const FieldBlock* block, _
     }
     return lights;
 }
-
-// ---- Sectors --------------------------------------------------------------------------------------------------------
 
 GN_NOINLINE_ON_CPU void decide_horizons(ItemRange items, const HorizonParams params,
                                         __global const HorizonSector* sectors, __global const HorizonStep* steps,

@@ -32,7 +32,6 @@ static uint reserve_slots(uint count, __global uint* counter) {
     return first;
 }
 
-// One slot.
 static uint reservation(Reservation* mine, __global uint* counter) {
     if (mine->next == mine->end) {
         mine->next = reserve_slots(APPEND_BLOCK, counter);

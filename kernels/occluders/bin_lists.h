@@ -60,6 +60,15 @@ GN_STRUCT_END(BinsParams, 32)
 #include "occluders/triangle_setup.h"
 #include "simd/lanes.clh"
 
+// Only programs that read cut-outs have masked triangles.
+static bool is_masked(__global const TriangleBounds* bounds) {
+#ifdef GN_CUT_OUTS
+    return (bounds->flags & BOUNDS_MASKED) != 0u;
+#else
+    return false;
+#endif
+}
+
 #if GN_LANES == 1
 typedef ushort LaneUshort;
 typedef uint LaneUint;

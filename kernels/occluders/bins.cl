@@ -57,13 +57,11 @@ __kernel void bins_pairs(BinsParams params, __constant const Projection* project
 #endif
 
 // Bins that one work-item takes at a time.
-#ifdef GN_CPU
-#define RANGES_RUN 128u
-#else
+#ifndef GN_CPU
 #define RANGES_RUN 1u
-#endif
+#else
+#define RANGES_RUN 128u
 
-#ifdef GN_CPU
 // Makes each count of some bins the number of the bin's pairs in the rows before; returns the bins' entries together,
 // and leaves the sums of their counts in `ranges`.
 GN_NOINLINE_ON_CPU uint sum_rows(BinsParams params, uint first_bin, uint last_bin, __global uint* counts,

@@ -15,8 +15,6 @@ __kernel void make_clusters(ClusterParams params, __global const float* vertices
     }
 }
 
-// ---- Box of all triangles ---------------------------------------------------------------------------------------
-
 __kernel void triangle_box(const TrianglesLayout layout, __global const float* vertices, __global uint* bounds) {
     float3 low = (float3)(INFINITY), high = (float3)(-INFINITY);
     uint count = 0;
@@ -36,8 +34,6 @@ __kernel void triangle_box(const TrianglesLayout layout, __global const float* v
     atomic_max(&bounds[5], float_to_key(high.z));
     atomic_add(&bounds[6], count);
 }
-
-// ---- Order ----------------------------------------------------------------------------------------------------------
 
 // The code of the middle of the triangle's box. No sum here can overflow.
 static uint code_of_middle(Triangle t, MortonGrid grid) {
@@ -71,8 +67,6 @@ __kernel void cluster_gather(ClusterParams params, __global const float* vertice
     }
 #endif
 }
-
-// ---- Cull -----------------------------------------------------------------------------------------------------------
 
 // Lists the clusters that survive the cull; counts the triangles of the dropped clusters as triangle_bounds would.
 __kernel void cull_clusters(ClusterParams params, __constant const Projection* projection,

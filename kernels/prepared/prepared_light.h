@@ -22,7 +22,6 @@ GN_STRUCT_BEGIN(PreparedDomain)
     uint has_triangles;                 // 0: no triangle can block a point of this frame
 GN_STRUCT_END(PreparedDomain, 48)
 
-// Parameters of the kernels that make the tables.
 GN_STRUCT_BEGIN(PreparedParams)
     TrianglesLayout triangles;
     LightFrame light_frame;

@@ -153,7 +153,8 @@ GN_NOINLINE_ON_CPU void trace_blocks(ItemRange items, LightFrame light_frame, Tr
 
 static uint receiver_slot(const TracePoints* to, size_t point) {
     if (!to->layout.has_receivers) return GN_NO_ID;
-    return slot_of_receiver(&to->prepared, load_lane_ids(to->receivers, to->layout, point));
+    uint id = to->receivers[point];
+    return id < to->prepared.triangles.count ? to->prepared.slots[id] : GN_NO_ID;
 }
 
 // Then the point need not be queued: its own receiver cannot block it.

@@ -96,7 +96,6 @@ typedef struct SearchedTriangle {
     int side;
 } SearchedTriangle;
 
-// Tests one bin's list.
 static bool any_may_shadow(const SearchLists* lists, uint bin, const SearchedTriangle* searched, SearchTests* tests) {
     uint2 range = lists->ranges[bin];
     for (uint i = range.x; i < range.y; ++i) {

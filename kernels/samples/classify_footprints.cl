@@ -174,10 +174,7 @@ static bool test_record(OccluderLists lists, __constant const Projection* projec
     FootprintFilter found = filter_footprints(&lists.records[slot], grid, -1);
     // A receiver cannot shadow its own samples.
     if (!found.possible || (int)bounds.id == receiver) return false;
-#ifdef GN_CUT_OUTS
-    if ((bounds.flags & BOUNDS_MASKED) != 0u) found.certain = 0;
-#endif
-    if (found.certain && in_rectangle(bounds, projection, grid, 0)) return true;
+    if (found.certain && !is_masked(&lists.bounds[slot]) && in_rectangle(bounds, projection, grid, 0)) return true;
     ++*partial;
     return false;
 }
@@ -225,9 +222,7 @@ static void walk_bin(OccluderLists lists, __constant const Projection* projectio
             FootprintFilter found = filter_footprints(&lists.records[slot], grid, lanes);
             if (!LANES_ANY(found.possible)) continue;
             TriangleBounds bounds = lists.bounds[slot];
-#ifdef GN_CUT_OUTS
-            if ((bounds.flags & BOUNDS_MASKED) != 0u) found.below = found.certain = (LaneInt)(0);
-#endif
+            if (is_masked(&lists.bounds[slot])) found.below = found.certain = (LaneInt)(0);
             // A receiver cannot shadow its own samples.
             LaneInt possible = found.possible & LANE_COMPARE(receivers, !=, (LaneInt)((int)bounds.id));
             LaneInt blocked = (LaneInt)(0);

@@ -66,7 +66,6 @@ __kernel void samples_slots(SamplesParams params, __global const FrameCounters* 
 
 // ---- Fragments ------------------------------------------------------------------------------------------------------
 
-// Counts of pixels.
 typedef struct WholeCounts {
     LaneInt minus_whole, minus_sky;
 } WholeCounts;
@@ -197,8 +196,7 @@ __kernel void samples_fragments(SamplesParams params, __constant const SamplePat
         uint2 at = place_of_pixel(params.batch, i);
         uint own = pixel_receivers[at.y * params.batch.width + at.x];
         find_sample_receivers(lists, params.batch, pattern, eye, i, at, own, &group);
-        group_by_receiver(params, samples, own, &group, fragments, counters);
-        sky_count += store_fragments(params, samples, i, own, &group, fragments);
+        sky_count += store_fragments(params, samples, i, own, &group, fragments, counters);
     }
     if (item == 0u) mark_unused_slots(fragments, params.batch, group.next, group.end);
     if (sky_count != 0) atomic_add(&counters->lit, sky_count);

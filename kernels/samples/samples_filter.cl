@@ -16,7 +16,6 @@
 
 #if GN_LANES == 1
 
-// The inputs of a group of samples_filter.
 typedef struct FilterWork {
     SamplesParams params;
     TileLists lists;
@@ -25,7 +24,6 @@ typedef struct FilterWork {
     __global const uint* pixel_receivers;
 } FilterWork;
 
-// An item's sample and its search.
 typedef struct SampleSearch {
     uint sample;
     int searching;
@@ -36,14 +34,6 @@ typedef struct SampleSearch {
     uint held;      // slot of the open pair that is held back, or GN_NO_ID
     float held_high;
 } SampleSearch;
-
-static bool is_masked(const TileLists* lists, uint slot) {
-#ifdef GN_CUT_OUTS
-    return (lists->bounds[slot].flags & BOUNDS_MASKED) != 0u;
-#else
-    return false;
-#endif
-}
 
 static void keep_open_pair(uint sample, uint slot, __local FragmentGroup* group) {
     uint at = atomic_inc(&group->open_count);
@@ -68,7 +58,7 @@ static void begin_search(const FilterWork* work, uint2 at, uint own_slot, Sample
         TriangleRecord record = work->lists.records[own_slot];
         NearestLanes none = nothing_near();
         NearestFilter found = filter_nearest(&record, &search->ray, -1, &none);
-        search->is_own = found.inside && !is_masked(&work->lists, own_slot);
+        search->is_own = found.inside && !is_masked(&work->lists.bounds[own_slot]);
         if (found.possible && !search->is_own) keep_open_pair(sample, own_slot, group);
     }
     if (search->is_own)
@@ -82,7 +72,7 @@ static void test_candidate(const FilterWork* work, uint slot, SampleSearch* sear
     TriangleRecord record = work->lists.records[slot];
     NearestFilter found = filter_nearest(&record, &search->ray, search->searching, &search->best);
     if (!found.possible) return;
-    if (is_masked(&work->lists, slot)) found.inside = 0;  // it may be clear there
+    if (is_masked(&work->lists.bounds[slot])) found.inside = 0;  // it may be clear there
     NearestLanes* best = &search->best;
     bool wins = found.inside && found.nearer;
     if (!wins) {
@@ -101,12 +91,9 @@ static void test_candidate(const FilterWork* work, uint slot, SampleSearch* sear
 // Finds the receivers of one pixel's samples. Every item must call this function.
 static void search_pixel(const FilterWork* work, uint pixel, uint2 at, uint own, __local FragmentGroup* group) {
     uint item = (uint)get_local_id(0), items = (uint)get_local_size(0), samples = work->pattern->count;
-    __constant const SamplePattern* pattern = work->pattern;
     PixelBatch batch = work->params.batch;
-    PictureBox box = {(float)at.x + pattern->low[0], (float)at.y + pattern->low[1], (float)at.x + pattern->high[0],
-                      (float)at.y + pattern->high[1]};
-    QuantisedBlock block = {quantised_texel(box.low_x, batch.width), quantised_texel(box.low_y, batch.height),
-                            quantised_texel(box.high_x, batch.width), quantised_texel(box.high_y, batch.height), 0};
+    PictureBox box = box_of_pixel(work->pattern, at);
+    QuantisedBlock block = quantised_box(&box, batch);
     uint2 range = work->lists.ranges[tile_of_pixel(batch, pixel)];
     uint own_slot = slot_of_triangle(work->from, own);
     if (item == 0u) group->open_count = group->others = 0u;
@@ -188,8 +175,7 @@ __kernel void samples_filter(SamplesParams params, __constant const SamplePatter
         uint own = pixel_receivers[at.y * params.batch.width + at.x];
         search_pixel(&work, i, at, own, &group);
         if (group.open_count == 0u) {
-            group_by_receiver(params, samples, own, &group, fragments, counters);
-            sky_count += store_fragments(params, samples, i, own, &group, fragments);
+            sky_count += store_fragments(params, samples, i, own, &group, fragments, counters);
         } else {
             store_open_pixel(&work, i, open, unproven, &group, counters);
             barrier(CLK_LOCAL_MEM_FENCE);
@@ -243,8 +229,7 @@ __kernel void samples_open_fragments(SamplesParams params, __constant const Samp
         for (uint sample = item; sample < samples; sample += items)
             group.receivers[sample] = open.receivers[k * MAX_SAMPLES + sample];
         barrier(CLK_LOCAL_MEM_FENCE);
-        group_by_receiver(params, samples, own, &group, fragments, counters);
-        sky_count += store_fragments(params, samples, i, own, &group, fragments);
+        sky_count += store_fragments(params, samples, i, own, &group, fragments, counters);
     }
     if (item == 0u) mark_unused_slots(fragments, params.batch, group.next, group.end);
     if (sky_count != 0) atomic_add(&counters->lit, sky_count);
