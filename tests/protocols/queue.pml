@@ -146,7 +146,7 @@ init {
     ended == 2;
     count_shadows(by_both);
     assert(decided_by_exact == by_both - by_trace); // a point is counted once
-    //= if (counted.uncertain <= capacity_) return true;
+    //= if (counted.uncertain <= capacity()) return true;
     if
     :: uncertain > CAPACITY -> // run_queue_overflow() decides the points that are open
         for (i : 0 .. ITEMS - 1) {
