@@ -9,8 +9,8 @@
 namespace gnomon {
 namespace {
 
-// A GPU's local memory holds a chunk twice, and counts of this number of items at most.
-constexpr std::size_t most_items = 128;
+// A GPU's local memory, 16 KiB or more, holds a chunk twice, and counts of this number of items.
+constexpr std::size_t most_items = 64;
 
 // On a CPU a work-item takes a chunk, on a GPU a work-group.
 cl::Range range_of(const cl::Session& session, std::size_t chunks) {

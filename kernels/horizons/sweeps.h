@@ -40,7 +40,7 @@ constexpr uint sweep_lines_of_word(uint lanes) { return 16 / lanes; }
 #define SWEEP_LINES_OF_WORD (16u / GN_LANES)
 #endif
 // The masks that a GPU's work-group looks at, for each of its items, before it walks rays.
-#define WALK_ROUNDS 16u
+#define WALK_ROUNDS 8u
 #define NO_VERTEX 0xFFFFFFFFu
 
 GN_STRUCT_BEGIN(RasterParams)

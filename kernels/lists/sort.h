@@ -14,12 +14,12 @@
 // The number of keys of a chunk, which on a CPU one work-item sorts, and on a GPU a work-group.
 #ifdef __cplusplus
 namespace gnomon {
-constexpr uint sort_chunk(bool is_cpu) { return is_cpu ? 4096 : 2048; }
+constexpr uint sort_chunk(bool is_cpu) { return is_cpu ? 4096 : 1024; }
 }  // namespace gnomon
 #elif defined(GN_CPU)
 #define SORT_CHUNK 4096u
 #else
-#define SORT_CHUNK 2048u
+#define SORT_CHUNK 1024u
 #endif
 
 GN_STRUCT_BEGIN(SortParams)

@@ -47,8 +47,8 @@ Words random_keys(std::size_t count, std::uint32_t mask, std::uint64_t seed) {
     return keys;
 }
 
-/// Sizes around the chunks (4096 keys on a CPU, 2048 on a GPU).
-constexpr std::size_t SIZES[] = {1, 2, 127, 130, 2047, 2048, 2049, 4095, 4096, 4097, 100000};
+/// Sizes around the chunks (4096 keys on a CPU, 1024 on a GPU).
+constexpr std::size_t SIZES[] = {1, 2, 63, 130, 1023, 1024, 1025, 4095, 4096, 4097, 100000};
 
 // Not vacuous: under the narrow masks most keys have equals, hundreds of them in other chunks.
 TEST(Sort, EqualsReference) {
