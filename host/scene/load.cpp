@@ -111,7 +111,7 @@ private:
         };
         for (const auto& [mesh, parts] : plan_.parts)
             for (const Part& part : parts) {
-                const auto name = [&](std::size_t row) {
+                const auto name = [this, mesh = mesh, &part](std::size_t row) {
                     return fmt::format("vertex {} of {}", row, names_.part(mesh, part.primitive));
                 };
                 if (part.triangle_count != 0) require(part.vertices.positions, part.index_accessor, name, "the mesh");
