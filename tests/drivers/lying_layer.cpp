@@ -21,7 +21,8 @@
 //   no_clock             commands' times are not available
 //   fail=CALL:N:CODE     the N-th call of clCALL fails with the code, and does nothing
 //   lost=N               the N-th launch succeeds, is not run, and fails later: its event has a negative state, and the
-//                        next call that waits returns the error
+//                        next call that waits returns the error; so do the launches up to there, which would read what
+//                        it did not write
 //   wrong_bit=BYTES      a read of at least so many bytes has a wrong bit
 #define CL_TARGET_OPENCL_VERSION 120
 #define CL_USE_DEPRECATED_OPENCL_1_1_APIS
@@ -295,7 +296,7 @@ cl_int CL_API_CALL enqueue_kernel(cl_command_queue queue, cl_kernel kernel, cl_u
     driver->clGetCommandQueueInfo(queue, CL_QUEUE_DEVICE, sizeof(device), &device, nullptr);
     cl_int code = refusal(kernel, device, local);
     if (code != CL_SUCCESS || fails("EnqueueNDRangeKernel", &code)) return code;
-    if (tells("lost") && ++launches == int(number_of("lost"))) return lose(queue, event);
+    if (tells("lost") && (++launches == int(number_of("lost")) || has_lost)) return lose(queue, event);
     return driver->clEnqueueNDRangeKernel(queue, kernel, dimensions, offset, global, local, count, waits, event);
 }
 
