@@ -12,17 +12,18 @@ namespace {
 // A GPU's local memory, 16 KiB or more, holds a chunk twice, and counts of this number of items.
 constexpr std::size_t most_items = 64;
 
+std::size_t items_of_group(const cl::Session& session) { return std::min(session.work_group_size(), most_items); }
+
 // On a CPU a work-item takes a chunk, on a GPU a work-group.
 cl::Range range_of(const cl::Session& session, std::size_t chunks) {
     if (session.is_cpu()) return cl::Range::items(chunks);
-    return cl::Range::groups(std::min(chunks, session.many_groups()), std::min(session.work_group_size(), most_items));
+    return cl::Range::groups(std::min(chunks, session.many_groups()), items_of_group(session));
 }
 
 // The words of local memory that sort_scatter needs.
 std::size_t local_words(const cl::Session& session) {
     if (session.is_cpu()) return 1;
-    const std::size_t items = std::min(session.work_group_size(), most_items);
-    return 2 * sort_chunk(false) + SORT_DIGITS + (SORT_HALVES + 1) * items;
+    return 2 * sort_chunk(false) + SORT_DIGITS + (SORT_HALVES + 1) * items_of_group(session);
 }
 
 }  // namespace

@@ -76,25 +76,35 @@ __kernel void raster_fill(const RasterParams raster, __global float* heights) {
     }
 }
 
+// Of a copy: its lines, the vertices of a line, and its lines of tiles.
+static uint lines_of_copy(const RasterCopies copies, uint copy) { return copy < 2u ? copies.columns : copies.rows; }
+static uint rows_of_copy(const RasterCopies copies, uint copy) { return copy < 2u ? copies.rows : copies.columns; }
+static uint lines_of_tiles(const RasterCopies copies, uint copy) {
+    return (lines_of_copy(copies, copy) - 1u) / RASTER_TILE + 1u;
+}
+
+// Column and row of the vertex that a copy has on a line.
+static uint2 vertex_of_copy(const RasterCopies copies, uint copy, uint line, uint row) {
+    if (copy % 2u != 0u) row = rows_of_copy(copies, copy) - 1u - row;
+    return copy < 2u ? (uint2)(line, row) : (uint2)(row, line);
+}
+
 __kernel void raster_copies(const RasterCopies copies, __global const float* heights, __global float* made) {
     for (uint copy = 0; copy < 4u; ++copy) {
-        uint lines = copy < 2u ? copies.columns : copies.rows, rows = copy < 2u ? copies.rows : copies.columns;
         uint stride = copies.stride[copy];
-        GN_FOR_EACH(i, lines * (size_t)stride) {
-            uint line = (uint)(i / stride);
-            int row = clamp((int)(i % stride) - RASTER_PAD, 0, (int)rows - 1);
-            if (copy % 2u != 0u) row = (int)rows - 1 - row;
-            size_t at = copy < 2u ? line * (size_t)copies.rows + row : row * (size_t)copies.rows + line;
-            made[copies.first[copy] - RASTER_PAD + i] = heights[at] - copies.lowest;
+        GN_FOR_EACH(i, lines_of_copy(copies, copy) * (size_t)stride) {
+            int row = clamp((int)(i % stride) - RASTER_PAD, 0, (int)rows_of_copy(copies, copy) - 1);
+            uint2 vertex = vertex_of_copy(copies, copy, (uint)(i / stride), (uint)row);
+            made[copies.first[copy] - RASTER_PAD + i] =
+                heights[vertex.x * (size_t)copies.rows + vertex.y] - copies.lowest;
         }
     }
 }
 
 __kernel void raster_tops(const RasterCopies copies, __global const float* made, __global float* tops) {
     for (uint copy = 0; copy < 4u; ++copy) {
-        uint lines = copy < 2u ? copies.columns : copies.rows, rows = copy < 2u ? copies.rows : copies.columns;
-        uint tiles = copies.tops_of_line[copy], lines_of_tiles = (lines - 1u) / RASTER_TILE + 1u;
-        GN_FOR_EACH(i, lines_of_tiles * (size_t)tiles) {
+        uint lines = lines_of_copy(copies, copy), rows = rows_of_copy(copies, copy), tiles = copies.tops_of_line[copy];
+        GN_FOR_EACH(i, lines_of_tiles(copies, copy) * (size_t)tiles) {
             uint line = (uint)(i / tiles) * RASTER_TILE, row = (uint)(i % tiles) * RASTER_TILE;
             float top = 0.0f;
             for (uint a = line; a <= min(line + RASTER_TILE, lines - 1u); ++a)
@@ -106,9 +116,9 @@ __kernel void raster_tops(const RasterCopies copies, __global const float* made,
 }
 
 // Whether a square around a vertex is a hole. squares: of raster_check().
-static bool is_at_hole(const RasterCopies copies, __global const uint* squares, uint column, uint row) {
-    for (uint c = max(column, 1u) - 1u; c < min(column + 1u, copies.columns - 1u); ++c)
-        for (uint r = max(row, 1u) - 1u; r < min(row + 1u, copies.rows - 1u); ++r)
+static bool is_at_hole(const RasterCopies copies, __global const uint* squares, uint2 vertex) {
+    for (uint c = max(vertex.x, 1u) - 1u; c < min(vertex.x + 1u, copies.columns - 1u); ++c)
+        for (uint r = max(vertex.y, 1u) - 1u; r < min(vertex.y + 1u, copies.rows - 1u); ++r)
             if (popcount(squares[c * (size_t)copies.rows + r]) != 2u) return true;
     return false;
 }
@@ -116,15 +126,12 @@ static bool is_at_hole(const RasterCopies copies, __global const uint* squares, 
 // holes: for each tile whether it has one.
 __kernel void raster_holes(const RasterCopies copies, __global const uint* squares, __global uint* holes) {
     for (uint copy = 0; copy < 4u; ++copy) {
-        uint lines = copy < 2u ? copies.columns : copies.rows, rows = copy < 2u ? copies.rows : copies.columns;
-        uint tiles = copies.tops_of_line[copy], lines_of_tiles = (lines - 1u) / RASTER_TILE + 1u;
-        GN_FOR_EACH(i, lines_of_tiles * (size_t)tiles) {
+        uint lines = lines_of_copy(copies, copy), rows = rows_of_copy(copies, copy), tiles = copies.tops_of_line[copy];
+        GN_FOR_EACH(i, lines_of_tiles(copies, copy) * (size_t)tiles) {
             uint line = (uint)(i / tiles) * RASTER_TILE, row = (uint)(i % tiles) * RASTER_TILE, found = 0u;
             for (uint a = line; a <= min(line + RASTER_TILE, lines - 1u); ++a)
-                for (uint b = row; b <= min(row + RASTER_TILE, rows - 1u); ++b) {
-                    uint along = copy % 2u != 0u ? rows - 1u - b : b;
-                    found |= is_at_hole(copies, squares, copy < 2u ? a : along, copy < 2u ? along : a) ? 1u : 0u;
-                }
+                for (uint b = row; b <= min(row + RASTER_TILE, rows - 1u); ++b)
+                    found |= is_at_hole(copies, squares, vertex_of_copy(copies, copy, a, b)) ? 1u : 0u;
             holes[copies.first_top[copy] + i] = found;
         }
     }
@@ -133,12 +140,11 @@ __kernel void raster_holes(const RasterCopies copies, __global const uint* squar
 // Marks the greatest heights of tiles that have a hole or a neighbour with one.
 __kernel void raster_mark_holes(const RasterCopies copies, __global const uint* holes, __global float* tops) {
     for (uint copy = 0; copy < 4u; ++copy) {
-        int lines = (int)(copy < 2u ? copies.columns : copies.rows), tiles = (int)copies.tops_of_line[copy];
-        int lines_of_tiles = (lines - 1) / RASTER_TILE + 1;
-        GN_FOR_EACH(i, lines_of_tiles * (size_t)tiles) {
+        int lines = (int)lines_of_tiles(copies, copy), tiles = (int)copies.tops_of_line[copy];
+        GN_FOR_EACH(i, lines * (size_t)tiles) {
             int line = (int)(i / (size_t)tiles), tile = (int)(i % (size_t)tiles);
             uint near = 0u;
-            for (int a = max(line - 1, 0); a <= min(line + 1, lines_of_tiles - 1); ++a)
+            for (int a = max(line - 1, 0); a <= min(line + 1, lines - 1); ++a)
                 for (int b = max(tile - 1, 0); b <= min(tile + 1, tiles - 1); ++b)
                     near |= holes[copies.first_top[copy] + a * (size_t)tiles + b];
             if (near != 0u) tops[copies.first_top[copy] + i] = copysign(tops[copies.first_top[copy] + i], -1.0f);

@@ -83,9 +83,7 @@ Decided expect_decisions(const gnomon::Device& device, const LightScene& scene, 
 
 TEST(Horizons, DecideNothingOtherThanTheOracle) {
     for (const bool gpu_kernels : {false, true}) {
-        gnomon::DeviceOptions device_options;
-        device_options.gpu_kernels = gpu_kernels;
-        const gnomon::Device device({}, device_options);
+        const gnomon::Device device = device_of(gpu_kernels);
         Decided all;
         std::uint64_t seed = 1;
         const Floats sheets[] = {lattice_terrain(8).triangles(), rough_terrain(9, 0).triangles(),

@@ -117,9 +117,7 @@ Floats with_holes(const Floats& sheet, const Terrain& terrain, std::uint64_t see
 
 TEST(Sweeps, DecideNothingOtherThanTheOracle) {
     for (const bool gpu_kernels : {false, true}) {
-        gnomon::DeviceOptions device_options;
-        device_options.gpu_kernels = gpu_kernels;
-        const gnomon::Device device({}, device_options);
+        const gnomon::Device device = device_of(gpu_kernels);
         Decided all;
         std::uint64_t seed = 1;
         for (const Terrain& terrain : {lattice_terrain(8), rough_terrain(9, 0), town_on_raster(3), steep_terrain(4)})
@@ -142,9 +140,7 @@ TEST(Sweeps, DecideNothingOtherThanTheOracle) {
 // Rays go through holes, and the ground on their other side blocks them or not.
 TEST(Sweeps, AreRightAroundHoles) {
     for (const bool gpu_kernels : {false, true}) {
-        gnomon::DeviceOptions device_options;
-        device_options.gpu_kernels = gpu_kernels;
-        const gnomon::Device device({}, device_options);
+        const gnomon::Device device = device_of(gpu_kernels);
         Decided all;
         std::uint64_t seed = 20;
         for (Terrain terrain : {rough_terrain(9, 0), town_on_raster(3), steep_terrain(4)})
@@ -187,9 +183,7 @@ TEST(Sweeps, MeetTheGroundOfBorders) {
                 const float height = random.between(0.1f, 0.8f);
                 lights.push_back(gnomon::Light::directional({std::cos(azimuth), -height, std::sin(azimuth)}));
             }
-            gnomon::DeviceOptions device_options;
-            device_options.gpu_kernels = gpu_kernels;
-            all += expect_decisions(gnomon::Device({}, device_options), scene, gnomon::Lights(lights));
+            all += expect_decisions(device_of(gpu_kernels), scene, gnomon::Lights(lights));
         }
     std::cout << all << "\n";
     EXPECT_GT(all.dark, all.pairs / 12);
