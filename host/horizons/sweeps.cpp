@@ -191,7 +191,6 @@ void Sweeps::sweep(const LightBundles& bundles) {
     params.most_blocks = made.most_blocks;
     session_.launch(file, "sweeps", cl::Range::shares(made.numbers.size() * made.most_blocks), params, sweeps_,
                     numbers_, raster_.copied_heights(), raster_.tops(), answers_);
-    session_.finish();
 }
 
 void Sweeps::decide(const PointsLayout& points, const HorizonMasks& masks) {
@@ -204,11 +203,10 @@ void Sweeps::decide(const PointsLayout& points, const HorizonMasks& masks) {
     const std::size_t words = std::size_t(points.count) * masks.bundle_count;
     session_.launch(file, "sweeps_decide", session_.blocks(words), params, sweeps_, at_.vertices, answers_, masks.masks,
                     masks.lit);
-    const std::size_t listed = session_.is_cpu() ? 1 : WALK_ROUNDS * session_.work_group_size() + 1;
+    const std::size_t listed = session_.is_cpu() ? 1 : WALK_WORDS * session_.work_group_size() + 2;
     session_.launch(file, "sweeps_walk", cl::Range::shares(words), params, sweeps_, at_.vertices,
                     raster_.copied_heights(), raster_.tops(), masks.masks, masks.lit,
                     cl::LocalBytes{listed * sizeof(cl_uint)});
-    session_.finish();
 }
 
 }  // namespace gnomon

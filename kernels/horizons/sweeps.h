@@ -39,8 +39,10 @@ constexpr uint sweep_lines_of_word(uint lanes) { return 16 / lanes; }
 #else
 #define SWEEP_LINES_OF_WORD (16u / GN_LANES)
 #endif
-// The masks that a GPU's work-group looks at, for each of its items, before it walks rays.
+// The masks that a GPU's work-group looks at, for each of its items, before it walks rays, and the words of local
+// memory for each item.
 #define WALK_ROUNDS 8u
+#define WALK_WORDS (WALK_ROUNDS + 2u)
 #define NO_VERTEX 0xFFFFFFFFu
 
 GN_STRUCT_BEGIN(RasterParams)
