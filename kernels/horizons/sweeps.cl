@@ -18,7 +18,6 @@
 // the ground that blocks the ray: `low` begins anew behind each tile near a hole.
 #include "horizons/height_field.h"
 #include "horizons/sweep_rays.clh"
-#include "lists/group_scan.clh"
 
 #if GN_LANES == 1
 #define LOAD_LANES(values) (*(values))
@@ -322,107 +321,6 @@ __kernel void sweeps_decide(const SweepParams params, __global const LightSweep*
 }
 
 // ---- Single rays ----------------------------------------------------------------------------------------------------
-
-typedef struct OpenPairs {
-    __global const LightSweep* of_lights;
-    __global const uint* vertices;  // of the points
-    __global const float* heights;
-    __global const float* tops;
-    __global uint* masks;  // of all points and bundles, one after the other
-    __global uint* lit;
-    uint points, mask_stride;
-} OpenPairs;
-
-// The task of a mask is bundle * points + point.
-static size_t mask_of_task(const OpenPairs* pairs, size_t task) {
-    return task / pairs->points * pairs->mask_stride + task % pairs->points;
-}
-
-// Starts the walk of the ray from a task's vertex to a light of its bundle.
-static int start_walk_of(const OpenPairs* pairs, size_t task, uint light, RayWalk* walk) {
-    __global const LightSweep* sweep = &pairs->of_lights[task / pairs->points * MAX_BUNDLE_LIGHTS + light];
-    if (sweep->crossing_count == 0u) return RAY_STAYS_OPEN;
-    RasterRay ray = ray_of(sweep, pairs->heights, pairs->vertices[task % pairs->points]);
-    return start_walk(&ray, walk);
-}
-
-#ifdef GN_CPU
-// Walks the rays from a vertex to the open lights of a mask.
-static void walk_mask(const OpenPairs* pairs, size_t task) {
-    size_t mask = mask_of_task(pairs, task);
-    uint open = pairs->masks[mask], decided = 0u, reached = 0u;
-    if (open == 0u || pairs->vertices[task % pairs->points] == NO_VERTEX) return;
-    for (uint left = open; left != 0u;) {
-        uint light = take_lowest_bit(&left);
-        RayWalk walk;
-        RayPart part;
-        int answer = start_walk_of(pairs, task, light, &walk);
-        while (answer == RAY_GOES_ON) {
-            answer = walk_part(&walk, pairs->tops, &part);
-            if (answer == RAY_MEETS_EDGES) answer = meet_edges_of_part(&walk, &part);
-        }
-        if (answer != RAY_STAYS_OPEN) decided |= 1u << light;
-        if (answer == RAY_IS_LIT) reached |= 1u << light;
-    }
-    pairs->masks[mask] = open & ~decided;
-    pairs->lit[mask] |= reached;
-}
-#else
-// A work-group's tasks with open lights. Its items share out the lights of as many tasks as there are items.
-typedef struct GroupTasks {
-    __local uint* listed;  // the tasks, from `start` on
-    __local uint* counts;  // of listed tasks; of pairs that items have taken
-    __local uint* open;    // each task's mask
-    __local uint* ends;    // of the tasks' open lights
-    size_t start;
-} GroupTasks;
-
-static uint bit_of_rank(uint bits, uint rank) {
-    while (rank-- != 0u) bits &= bits - 1u;
-    return bits & -bits;
-}
-
-// Walks rays of tasks `first` and on. Rays need different numbers of parts, so each item takes a new pair when its ray
-// is done, and goes on beside the others.
-static void walk_pairs(const OpenPairs* pairs, const GroupTasks* group, uint first) {
-    uint total = group->ends[get_local_size(0) - 1u], bit = 0u;
-    size_t task = 0u;
-    RayWalk walk;
-    RayPart part;
-    for (int answer = RAY_STAYS_OPEN;;) {
-        while (answer == RAY_STAYS_OPEN) {
-            uint pair = atomic_inc(&group->counts[1]);
-            if (pair >= total) return;
-            uint owner = item_of_piece(group->ends, pair);
-            task = group->start + group->listed[first + owner];
-            bit = bit_of_rank(group->open[owner], piece_of_item(group->ends, owner, pair));
-            answer = start_walk_of(pairs, task, 31u - clz(bit), &walk);
-        }
-        while (answer == RAY_GOES_ON) answer = walk_part(&walk, pairs->tops, &part);
-        if (answer == RAY_MEETS_EDGES) answer = meet_edges_of_part(&walk, &part);
-        if (answer != RAY_IS_BLOCKED && answer != RAY_IS_LIT) continue;
-        atomic_and(&pairs->masks[mask_of_task(pairs, task)], ~bit);
-        if (answer == RAY_IS_LIT) atomic_or(&pairs->lit[mask_of_task(pairs, task)], bit);
-        answer = RAY_STAYS_OPEN;
-    }
-}
-
-static void walk_tasks(const OpenPairs* pairs, const GroupTasks* group) {
-    uint item = (uint)get_local_id(0), items = (uint)get_local_size(0);
-    for (uint first = 0u; first < group->counts[0]; first += items) {
-        uint open = 0u;
-        if (first + item < group->counts[0]) {
-            size_t task = group->start + group->listed[first + item];
-            if (pairs->vertices[task % pairs->points] != NO_VERTEX) open = pairs->masks[mask_of_task(pairs, task)];
-        }
-        group->open[item] = open;
-        if (item == 0u) group->counts[1] = 0u;
-        scan_group((uint)popcount(open), group->ends);
-        walk_pairs(pairs, group, first);
-        barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
-    }
-}
-#endif
 
 // Decides what the sweeps left open, ray by ray. A GPU's work-group first lists those of its tasks that have open
 // lights, since few have (`listed`: WALK_WORDS for each item, and 2).
