@@ -452,7 +452,6 @@ TEST(ManyLights, AutoDecidesARastersVerticesInLittleMemory) {
 
 TEST(ManyLights, AutoTakesSweepsForTheVerticesOfARaster) {
     const gnomon::Device device = device_with();
-    if (!gnomon::session_of(device).is_cpu()) GTEST_SKIP() << "a GPU takes horizons";
     const LightScene scene = points_on_terrain(1500, 0);
     double done = 0;
     gnomon::RunOptions options;
