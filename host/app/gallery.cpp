@@ -51,12 +51,19 @@ Chosen parse_technique(const std::string& text) {
     return chosen;
 }
 
-/// pcss with the size of the disk, unless its settings have one.
-void fit_light_size(const GalleryOptions& options, Chosen& chosen) {
-    if (chosen.technique.name != "pcss" || !options.sun_angle_degrees) return;
-    if (std::ranges::any_of(chosen.settings, [](const auto& setting) { return setting.first == "light-size"; })) return;
-    const double tangent = std::tan(double(*options.sun_angle_degrees) * (std::numbers::pi / 180));
-    chosen.settings.emplace_back("light-size", float_text(float(tangent)));
+void set_unless_asked(Chosen& chosen, const std::string& name, const std::string& value) {
+    const bool is_asked = std::ranges::any_of(chosen.settings, [&](const auto& asked) { return asked.first == name; });
+    if (!is_asked) chosen.settings.emplace_back(name, value);
+}
+
+/// Comparisons on equal terms: pcss has the size of the disk, and maps fit the receivers, as in the benchmark.
+void put_on_equal_terms(const GalleryOptions& options, Chosen& chosen) {
+    if (chosen.technique.name == "pcss" && options.sun_angle_degrees) {
+        const double tangent = std::tan(double(*options.sun_angle_degrees) * (std::numbers::pi / 180));
+        set_unless_asked(chosen, "light-size", float_text(float(tangent)));
+    }
+    for (const SettingDescription& setting : chosen.technique.settings)
+        if (setting.name == "fit" && setting.default_value == "frustum") set_unless_asked(chosen, "fit", "receivers");
 }
 
 /// The truth first (with a disk also the hard shadow), then the techniques of the options, or every other technique.
@@ -68,7 +75,7 @@ std::vector<Chosen> choose_techniques(const GalleryOptions& options) {
             if (technique.name != truth_name) all.push_back({std::move(technique), {}});
     for (const std::string& text : options.techniques)
         if (text != truth_name) all.push_back(parse_technique(text));
-    for (Chosen& chosen : all) fit_light_size(options, chosen);
+    for (Chosen& chosen : all) put_on_equal_terms(options, chosen);
     return all;
 }
 

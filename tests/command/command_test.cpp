@@ -1763,6 +1763,19 @@ TEST_F(Command, AGalleryShowsEachTechniqueBesideTheTruth) {
     }
 }
 
+TEST_F(Command, AGallerysMapsFitTheReceiversUnlessAsked) {
+    write_scene(folder_, "square", floor_and_square());
+    const Outcome outcome = run({"gallery", "square.gltf", "-o", "page.html", "--size", "40x30", "--runs", "1",
+                                 "--technique", "pssm", "--technique", "pssm:fit=frustum", "--technique", "sdsm"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const nlohmann::json data = page_data(text_of(in_folder("page.html")));
+    const nlohmann::json& exhibits = data.at("exhibits");
+    ASSERT_EQ(exhibits.size(), 4u);
+    EXPECT_EQ(exhibits.at(1).at("settings"), "fit=receivers");
+    EXPECT_EQ(exhibits.at(2).at("settings"), "fit=frustum");
+    EXPECT_EQ(exhibits.at(3).at("settings"), "");  // it has fitted the receivers before
+}
+
 TEST_F(Command, AGalleryOfADiskMeasuresPenumbrae) {
     write_scene(folder_, "square", floor_and_square());
     const Arguments soft{"gallery",       "square.gltf", "-o",          "page.html",   "--size",
