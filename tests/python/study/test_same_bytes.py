@@ -1,9 +1,13 @@
 # SPDX-License-Identifier: MIT
 """A made city of 16 tiles: the same bytes whatever divides the work, and the right ones."""
 
+import ctypes
+import os
+
 import numpy as np
 import pytest
 from gnomon import studies
+from gnomon.studies.runner import Execution, executor_of
 from made import bits, chunk_files, city, exactly_lit, run, snapped, triangles_of, write_raster, write_suns
 
 SUNS = [(80 + 5 * i, 3 + 25 * np.sin(np.pi * i / 39)) for i in range(40)]  # 3 to 28 degrees
@@ -120,3 +124,11 @@ def test_times_and_zones(files):
 def test_open_study_reads_what_is_there(whole):
     again = studies.open_study(whole.folder)
     assert again.digests() == whole.digests() and "16 of 16 tasks" in repr(again)
+
+
+def test_workers_inherit_nothing_that_a_driver_set():
+    """A driver sets variables of the process behind Python's back, as setenv() of C does."""
+    ctypes.CDLL(None).setenv(b"GNOMON_TEST_AS_A_DRIVER", b"1", 1)
+    with executor_of(Execution(workers=1)) as executor:
+        ((_, seen),) = executor.run([("environment", os.getenv, ("GNOMON_TEST_AS_A_DRIVER",))])
+    assert seen is None

@@ -7,8 +7,10 @@ import ast
 import contextlib
 import errno
 import itertools
+import json
 import multiprocessing
 import os
+import subprocess
 import sys
 import threading
 import warnings
@@ -261,10 +263,23 @@ def _devices_of(workers: int | str | Sequence[str], device: str | None) -> list[
     return gpus
 
 
+def _forget_what_drivers_set() -> None:
+    """Makes the environment that processes inherit the one that Python knows. OpenCL drivers change that of the process
+    which loads them (PoCL sets HWLOC_PLUGINS_PATH)."""
+    program = [sys.executable, "-S", "-c", "import json, os; print(json.dumps(dict(os.environ)))"]
+    inherited = json.loads(subprocess.run(program, stdout=subprocess.PIPE, check=True).stdout)
+    for name in inherited.keys() - os.environ.keys():
+        os.unsetenv(name)
+    for name, value in os.environ.items():
+        if inherited.get(name) != value:
+            os.putenv(name, value)
+
+
 def _cluster(names: list[str | None]) -> Any:
     """A process for each device of this host; a process that dies is started again."""
     from distributed import Nanny, Scheduler, SpecCluster
 
+    _forget_what_drivers_set()
     cores = max(1, (os.cpu_count() or 1) // len(names))
     # GDAL's own choice is a twentieth of the machine's memory in each process.
     cache = os.environ.get("GDAL_CACHEMAX", "256")
