@@ -59,7 +59,6 @@ gnomon_wing(camera camera camera_rays pixel_rays nearest nearest_gpu camera_filt
 gnomon_wing(trace light_order trace map_query filter trace_points walk_cpu walk_gpu trace_kernel exact_trace provenance
             map_choice frustum_tracer explain)
 gnomon_wing(prepared prepared_light unshadowed_triangles prepared_facing prepared_trace prepared_runs)
-gnomon_wing(samples samples fragments pixel_masks_gpu samples_masks_gpu open_samples samples_filter footprints coverage_masks sample_points find_receivers_gpu clearance classify_footprints)
 
 # The BVH: tables of many lights.
 gnomon_wing(lights lights light_bundle light_bundles position_bundles light_sides light_sums point_order many_lights
@@ -76,6 +75,8 @@ gnomon_wing(c c_interface c_interface_lattice c_interface_lights c_interface_res
             nothing_grows)
 
 # Libraries of their own (host/CMakeLists.txt), which the core does not know.
+gnomon_wing(samples samples fragments pixel_masks_gpu samples_masks_gpu open_samples samples_filter footprints coverage_masks
+            sample_points find_receivers_gpu clearance classify_footprints c_interface_samples)
 gnomon_wing(shading texture mip_levels appearance surface metering shade picture_mean received_light c_interface_shading)
 gnomon_wing(sight sight_lines sight_sweep height_grid)
 gnomon_wing(rivals rivals framed_technique conservative_map_alone shadow_volumes sub_pixel_shadow_map izb)

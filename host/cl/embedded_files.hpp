@@ -12,6 +12,7 @@ struct EmbeddedFile {
     std::string_view text;
 };
 std::span<const EmbeddedFile> embedded_kernels();
+std::span<const EmbeddedFile> embedded_kernels_of_samples();
 std::span<const EmbeddedFile> embedded_kernels_of_shading();
 std::span<const EmbeddedFile> embedded_kernels_of_sight();
 std::span<const EmbeddedFile> embedded_kernels_of_rivals();

@@ -802,7 +802,8 @@ gnomon_status gnomon_camera_pass_look(gnomon_camera_pass* pass, const gnomon_tri
 typedef struct gnomon_sample_offset {
     int32_t x, y;
 } gnomon_sample_offset;
-/// Writes the pattern of `samples` = 1, 4, 8, 16 or 32 offsets. Fails for another number.
+/// In the library gnomon_full, not in gnomon. Writes the pattern of `samples` = 1, 4, 8, 16 or 32 offsets. Fails for
+/// another number.
 gnomon_status gnomon_sample_pattern(uint32_t samples, gnomon_sample_offset* offsets_out);
 
 /// Receives the points of some samples before their visibility is computed: sample by sample in the pattern's order,
@@ -818,8 +819,8 @@ typedef struct gnomon_samples_options {
 /// 4 samples per pixel, no sink.
 #define GNOMON_SAMPLES_OPTIONS_INIT \
     { sizeof(gnomon_samples_options), 4, NULL, NULL }
-/// Anti-aliased shadows: writes to `mean` the mean visibility of each pixel's samples. Points face by the view's eye.
-/// Fails as gnomon_technique_run() and gnomon_sample_pattern() do.
+/// In the library gnomon_full, not in gnomon. Anti-aliased shadows: writes to `mean` the mean visibility of each
+/// pixel's samples. Points face by the view's eye. Fails as gnomon_technique_run() and gnomon_sample_pattern() do.
 gnomon_status gnomon_technique_run_samples(gnomon_technique* technique, const gnomon_triangles* triangles,
                                            const gnomon_view* view, gnomon_light light, const gnomon_visibility* mean,
                                            const gnomon_samples_options* options, cl_event* event_out,

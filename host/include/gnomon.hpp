@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 // gnomon: exact hard shadows as OpenCL kernels. The whole C++ interface; each header says what of it is stable:
 //
-//   gnomon/device.hpp   errors and devices          gnomon/view.hpp     cameras' views, samples, scenes in parts
-//   gnomon/inputs.hpp   triangles and points        gnomon/lattice.hpp  float64 coordinates without loss
+//   gnomon/device.hpp   errors and devices          gnomon/lattice.hpp  float64 coordinates without loss
+//   gnomon/inputs.hpp   triangles and points        gnomon/samples.hpp  several samples per pixel
 //   gnomon/lights.hpp   one light, tables of many   gnomon/shading.hpp  colours: visibility does not need it
-//   gnomon/trace.hpp    facing, techniques, runs    gnomon/version.h    the version
+//   gnomon/trace.hpp    facing, techniques, runs    gnomon/rivals.hpp   the classic techniques
+//   gnomon/view.hpp     views, scenes in parts      gnomon/version.h    the version
 //
 // In short:
 //
@@ -88,6 +89,7 @@
 #include <gnomon/lattice.hpp>
 #include <gnomon/lights.hpp>
 #include <gnomon/rivals.hpp>
+#include <gnomon/samples.hpp>
 #include <gnomon/shading.hpp>
 #include <gnomon/trace.hpp>
 #include <gnomon/view.hpp>

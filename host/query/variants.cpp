@@ -47,7 +47,6 @@ constexpr Variant variants[] = {
     {Task::trace, any_device, {"trace/trace.cl", "trace"}},
     // A separate program: few frames need it, and a GPU's compiler takes a second or two for it.
     {Task::trace_queue_overflow, any_device, {"trace/trace.cl", "trace_queue_overflow", {.queue_overflow = true}}},
-    {Task::classify_footprints, any_device, {"samples/classify_footprints.cl", "classify_footprints"}, specialised},
     {Task::trace_prepared, any_device, {"prepared/prepared_trace.cl", "prepared_trace"}},
     // Measured: the facing cache takes 11 to 17 % off a CPU's run.
     {Task::trace_prepared_cached_facing, cpu, {"prepared/prepared_trace.cl", "prepared_trace_cached_facing", {.cached_facing = true}}},

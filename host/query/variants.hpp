@@ -22,7 +22,6 @@ enum class Task {
     make_triangle_tiles,
     make_camera_tiles,
     trace,
-    classify_footprints,
     trace_prepared,
     trace_prepared_cached_facing,
     trace_prepared_plane_side,

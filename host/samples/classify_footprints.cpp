@@ -16,19 +16,20 @@ PointInputs inputs_of(const Footprints& footprints) {
 void classify_over_lists(cl::Session& session, const TraceInputs& inputs) {
     const PointInputs& points = inputs.points;
     const ListBuffers& lists = inputs.lists;
-    session.launch(
-        variant(session, Task::classify_footprints, inputs.light_frame.perspective == 0, inputs.triangles.has_cut_outs),
-        session.blocks(points.layout.count),
-        ClassifyParams{.triangles = inputs.triangles,
-                       .light_frame = inputs.light_frame,
-                       .layout = points.layout,
-                       .first_frame = inputs.first_frame,
-                       .frame_count = inputs.frame_count,
-                       .has_map = inputs.map != nullptr,
-                       .domains = lists.tables.domains},
-        inputs.projections, inputs.triangles.vertices, points.positions, points.footprints, points.receivers,
-        inputs.map != nullptr ? *inputs.map : lists.ranges, lists.ranges, lists.entries, lists.records, lists.bounds,
-        inputs.visibility, inputs.counters);
+    cl::Kernel kernel = inputs.triangles.kernel("samples/classify_footprints.cl", "classify_footprints");
+    // As in the table of query/variants.cpp, and for its reason.
+    kernel.flags.directional_only = !session.is_cpu() && inputs.light_frame.perspective == 0;
+    session.launch(kernel, session.blocks(points.layout.count),
+                   ClassifyParams{.triangles = inputs.triangles,
+                                  .light_frame = inputs.light_frame,
+                                  .layout = points.layout,
+                                  .first_frame = inputs.first_frame,
+                                  .frame_count = inputs.frame_count,
+                                  .has_map = inputs.map != nullptr,
+                                  .domains = lists.tables.domains},
+                   inputs.projections, inputs.triangles.vertices, points.positions, points.footprints, points.receivers,
+                   inputs.map != nullptr ? *inputs.map : lists.ranges, lists.ranges, lists.entries, lists.records,
+                   lists.bounds, inputs.visibility, inputs.counters);
 }
 
 }  // namespace

@@ -9,9 +9,9 @@
 #include "query/statistics.hpp"
 
 namespace gnomon {
+namespace {
 
-class FragmentBuffers {
-public:
+struct FragmentBuffers {
     explicit FragmentBuffers(const Device& theirs) : device(theirs), camera(theirs) {}
 
     Device device;  ///< lives as long as the buffers
@@ -28,8 +28,6 @@ public:
     std::uint64_t bytes_of_runs = 0;       ///< on the device after the last run, here and in the technique
     std::uint64_t bytes_of_technique = 0;  ///< the technique's part of these
 };
-
-namespace {
 
 class FragmentRun {
 public:
@@ -366,9 +364,6 @@ private:
 
 }  // namespace
 
-SamplesByFragments::SamplesByFragments() = default;
-SamplesByFragments::~SamplesByFragments() = default;
-
 SamplePattern pattern_of(std::span<const SampleOffset> offsets) {
     SamplePattern pattern{};
     pattern.count = static_cast<cl_uint>(offsets.size());
@@ -389,9 +384,9 @@ SamplePattern pattern_of(std::span<const SampleOffset> offsets) {
     return pattern;
 }
 
-Statistics SamplesByFragments::run(FootprintSession& footprints, const SampledView& in) {
-    if (buffers_ == nullptr) buffers_ = std::make_unique<FragmentBuffers>(in.device);
-    FragmentRun samples(footprints, *buffers_, in);
+Statistics run_fragments(FootprintSession& footprints, std::shared_ptr<void>& kept, const SampledView& in) {
+    if (kept == nullptr) kept = std::make_shared<FragmentBuffers>(in.device);
+    FragmentRun samples(footprints, *std::static_pointer_cast<FragmentBuffers>(kept), in);
     Statistics total = samples.run();
     total.device_memory_bytes = samples.device_memory_bytes();
     return total;

@@ -7,6 +7,7 @@
 #include <functional>
 
 #include "query/statistics.hpp"
+#include "technique/lent_stages.hpp"
 
 namespace gnomon {
 namespace {
@@ -142,10 +143,12 @@ Statistics run_samples_in_batches(Technique& technique, const Triangles& triangl
         return run_every_sample(device, triangles, view, pattern, decide, mean, points_at_once, sink);
     };
     Statistics total;
-    auto* by_fragments = dynamic_cast<TracesFragments*>(&technique);
-    if (by_fragments != nullptr && samples > 1 && triangles.count() != 0) {
+    auto* lender = dynamic_cast<LendsStages*>(&technique);
+    if (lender != nullptr && samples > 1 && triangles.count() != 0) {
         if (sink) run_every({});
-        total = by_fragments->run_fragments({device, triangles, view, light, pattern, mean, points_at_once});
+        const LentStages stages = lender->lent_stages();
+        TracedFootprints footprints(stages.tracer, stages.prepared, triangles, light);
+        total = run_fragments(footprints, stages.kept, {device, triangles, view, light, pattern, mean, points_at_once});
     } else {
         total = run_every([&](const Points& points, const Visibility& visibility) {
             return technique.run(triangles, points, light, visibility);

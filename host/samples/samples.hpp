@@ -4,10 +4,14 @@
 #pragma once
 
 #include "camera/camera.hpp"
+#include "cl/embedded_files.hpp"
 #include "kernels/samples/samples.h"
 #include "samples/classify_footprints.hpp"
 
 namespace gnomon {
+
+/// A program that has samples has their kernels before it makes its first program for a device.
+[[maybe_unused]] inline const bool samples_are_embedded = add_embedded_kernels(embedded_kernels_of_samples());
 
 /// As run_samples(), with at most `points_at_once` points on the device, but one sample of every pixel at least.
 Statistics run_samples_in_batches(Technique& technique, const Triangles& triangles, const View& view,
@@ -27,26 +31,9 @@ struct SampledView {
 
 SamplePattern pattern_of(std::span<const SampleOffset> offsets);
 
-class FragmentBuffers;
-
 /// Most samples are decided together: the footprints of pixel fragments are classified as in shadow or lit, and the
-/// samples of mixed fragments become points. Keeps its buffers from run to run.
-class SamplesByFragments {
-public:
-    SamplesByFragments();
-    ~SamplesByFragments();
-    /// A row of camera tiles at least is on the device at once. `footprints`: of the view's triangles and light.
-    Statistics run(FootprintSession& footprints, const SampledView& in);
-
-private:
-    std::unique_ptr<FragmentBuffers> buffers_;  ///< null before the first run
-};
-
-/// A technique that can decide samples by fragments. run_samples() uses this interface if a technique implements it.
-class TracesFragments {
-public:
-    virtual ~TracesFragments() = default;
-    virtual Statistics run_fragments(const SampledView& in) = 0;
-};
+/// samples of mixed fragments become points. A row of camera tiles at least is on the device at once. `footprints`: of
+/// the view's triangles and light. `kept`: the buffers, from run to run; null before the first.
+Statistics run_fragments(FootprintSession& footprints, std::shared_ptr<void>& kept, const SampledView& in);
 
 }  // namespace gnomon

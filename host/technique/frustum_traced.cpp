@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Technique frustum-traced: exact hard shadows. Its roles are objects of their own: one light (trace/frustum_tracer), a
-// prepared light (prepared/prepared_runs), samples (samples/classify_footprints), tables of lights
-// (light_tables/light_tables).
+// prepared light (prepared/prepared_runs), tables of lights (light_tables/light_tables). It lends the first two.
 #include <limits>
 
 #include "light_tables/light_tables.hpp"
 #include "query/settings_table.hpp"
-#include "samples/samples.hpp"
+#include "technique/lent_stages.hpp"
 #include "technique/registered.hpp"
 
 namespace gnomon {
@@ -47,7 +46,7 @@ const SettingsTable<Settings>& settings_table() {
     return table;
 }
 
-class FrustumTraced final : public Technique, public TracesFragments {
+class FrustumTraced final : public Technique, public LendsStages {
 public:
     explicit FrustumTraced(const Device& device) : device_(device) {}
     const Device& device() const override { return device_; }
@@ -68,10 +67,7 @@ public:
         return light_tables_.run(*this, run, settings_.many_lights, settings_.bundle_lights);
     }
 
-    Statistics run_fragments(const SampledView& in) override {
-        TracedFootprints footprints(tracer_, prepared_, in.triangles, in.light);
-        return samples_.run(footprints, in);
-    }
+    LentStages lent_stages() override { return {tracer_, prepared_, kept_by_borrower_}; }
 
     Statistics prepare(const Triangles& triangles, const Light& light) override {
         require_light(light);
@@ -116,7 +112,7 @@ private:
     Settings settings_ = settings_table().defaults();
     FrustumTracer tracer_{device_};
     PreparedRuns prepared_{tracer_};
-    SamplesByFragments samples_;
+    std::shared_ptr<void> kept_by_borrower_;
     LightTables light_tables_{device_, tracer_.kept_bytes()};
 };
 

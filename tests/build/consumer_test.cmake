@@ -64,16 +64,17 @@ expect("${build}/failures" "InvalidArgument\nDeviceNotFound\nOutOfDeviceMemory\n
 
 expect("${build}/rivals" "izb: exact\nshadow-map: a few points wrong\n")
 
-# A program that links the core alone has no kernel of shading, sight or of the classic techniques; one that links all has.
+# A program that links the core alone has no kernel of samples, shading, sight or of the classic techniques; one that links
+# all has.
 foreach(program IN ITEMS example rivals)
   file(SIZE "${build}/${program}" bytes)
   message("${program}: ${bytes} bytes")
   if(NOT WAY STREQUAL "installed_shared")
-    file(STRINGS "${build}/${program}" kernels REGEX "^kernels/(shading|rivals|sight)/.*\\.cl")
+    file(STRINGS "${build}/${program}" kernels REGEX "^kernels/(samples|shading|rivals|sight)/.*\\.cl")
     list(LENGTH kernels kernels_of_satellites)
     if(kernels_of_satellites GREATER 0 AND program STREQUAL "example" OR
        kernels_of_satellites EQUAL 0 AND program STREQUAL "rivals")
-      message(FATAL_ERROR "${program} has ${kernels_of_satellites} kernel files of shading, sight and of the classic techniques")
+      message(FATAL_ERROR "${program} has ${kernels_of_satellites} kernel files of samples, shading, sight and of the classic techniques")
     endif()
   endif()
 endforeach()

@@ -384,18 +384,9 @@ TEST(Samples, PreparedLightsGiveTheSameMeans) {
 }
 
 /// Calls every footprint mixed, so that every sample of every fragment becomes a point, and keeps these points.
-class EveryFragmentMixed final : public gnomon::Technique,
-                                 public gnomon::TracesFragments,
-                                 private gnomon::FootprintSession {
+class EveryFragmentMixed final : public gnomon::FootprintSession {
 public:
     explicit EveryFragmentMixed(const gnomon::Device& device) : device_(device) {}
-    const gnomon::Device& device() const override { return device_; }
-    gnomon::Statistics run_light(const gnomon::Triangles&, const gnomon::Points&, const gnomon::Light&,
-                                 const gnomon::Visibility&) override {
-        throw std::logic_error("footprints alone are classified");
-    }
-    gnomon::Statistics run_fragments(const gnomon::SampledView& in) override { return samples_.run(*this, in); }
-    void set(std::string_view, std::string_view) override {}
 
     std::vector<std::array<std::uint32_t, 4>> points;  ///< the bits of x, y and z, and the receiver
 
@@ -416,7 +407,6 @@ private:
     }
 
     gnomon::Device device_;
-    gnomon::SamplesByFragments samples_;
 };
 
 // The masks of fragments name the receivers that each sample finds by itself: the same points on the same receivers,
@@ -430,11 +420,12 @@ TEST(Samples, FragmentsHoldEverySampleOnce) {
             const auto triangles = gnomon::Triangles::upload(device, scene.triangles);
             const gnomon::View view = gnomon::look(device, triangles, scene.camera(), scene.width, scene.height);
             const gnomon::Visibility mean(device, view.points.count());
-            EveryFragmentMixed by_fragments(device);
             std::vector<std::array<std::uint32_t, 4>> expected;
             const auto own =
                 downloaded<std::uint32_t>(session_of(device), view.points.receivers(), view.points.count());
-            const auto keep = [&](const gnomon::Points& of_samples) {
+            gnomon::SampleViews views(device, triangles, view, samples);
+            for (std::size_t sample = 0; sample < samples; ++sample) {
+                const gnomon::Points of_samples = views.at(sample).points;
                 const std::size_t count = of_samples.count(), stride = of_samples.layout().coordinate_stride;
                 const auto planes =
                     downloaded<std::uint32_t>(session_of(device), of_samples.positions(), 2 * stride + count);
@@ -442,10 +433,14 @@ TEST(Samples, FragmentsHoldEverySampleOnce) {
                 for (std::size_t i = 0; i < count; ++i) {
                     if (ids[i] == gnomon::no_receiver) continue;
                     expected.push_back({planes[i], planes[stride + i], planes[2 * stride + i], ids[i]});
-                    on_others += ids[i] != own[i % own.size()];
+                    on_others += ids[i] != own[i];
                 }
-            };
-            gnomon::run_samples(by_fragments, triangles, view, lights()[0], samples, mean, keep);
+            }
+            EveryFragmentMixed by_fragments(device);
+            std::shared_ptr<void> kept;
+            gnomon::run_fragments(
+                by_fragments, kept,
+                {device, triangles, view, lights()[0], gnomon::sample_pattern(samples), mean, std::size_t{1} << 23});
             std::ranges::sort(expected);
             std::ranges::sort(by_fragments.points);
             ASSERT_EQ(by_fragments.points, expected);

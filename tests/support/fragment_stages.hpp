@@ -7,7 +7,6 @@
 
 #include "camera_scenes.hpp"
 #include "kernels/receivers/footprint.h"
-#include "samples/classify_footprints.hpp"
 #include "samples/samples.hpp"
 
 namespace support {
@@ -66,9 +65,7 @@ void RecordedSamples::for_samples(const ClassifiedFragments& of, std::size_t slo
 }
 
 /// Classifies as frustum-traced does, or calls all footprints mixed.
-class FragmentRecorder final : public gnomon::Technique,
-                               public gnomon::TracesFragments,
-                               private gnomon::FootprintSession {
+class FragmentRecorder final : private gnomon::FootprintSession {
 public:
     FragmentRecorder(const gnomon::Device& device, bool classifies, std::uint32_t map_size, RecordedSamples& to)
         : device_(device), tracer_(device), classifies_(classifies), to_(to) {
@@ -77,22 +74,15 @@ public:
         settings.map_size = map_size;
         tracer_.set(settings);
     }
-    const gnomon::Device& device() const override { return device_; }
-    gnomon::Statistics run_light(const gnomon::Triangles&, const gnomon::Points&, const gnomon::Light&,
-                                 const gnomon::Visibility&) override {
-        throw std::logic_error("footprints alone are classified");
-    }
-    gnomon::Statistics run_fragments(const gnomon::SampledView& in) override {
+    gnomon::Statistics run(const gnomon::SampledView& in) {
         gnomon::TracedFootprints inner(tracer_, prepared_, in.triangles, in.light);
         inner_ = &inner;
-        gnomon::Statistics statistics = samples_.run(*this, in);
-        inner_ = nullptr;
-        return statistics;
+        std::shared_ptr<void> kept;
+        return run_fragments(*this, kept, in);
     }
-    gnomon::Statistics prepare(const gnomon::Triangles& triangles, const gnomon::Light& light) override {
-        return prepared_.prepare(triangles, light);
+    void prepare(const gnomon::Triangles& triangles, const gnomon::Light& light) {
+        prepared_.prepare(triangles, light);
     }
-    void set(std::string_view, std::string_view) override {}
 
 private:
     gnomon::Statistics classify(const gnomon::Footprints& footprints) override {
@@ -145,7 +135,6 @@ private:
     gnomon::Device device_;
     gnomon::FrustumTracer tracer_;
     gnomon::PreparedRuns prepared_{tracer_};
-    gnomon::SamplesByFragments samples_;
     gnomon::FootprintSession* inner_ = nullptr;
     bool classifies_;
     RecordedSamples& to_;
@@ -162,17 +151,20 @@ inline RecordedSamples record_samples(const gnomon::Device& device, const Camera
     const gnomon::View view = gnomon::look(device, triangles, scene.camera(), scene.width, scene.height);
     const gnomon::Visibility mean(device, view.points.count());
     RecordedSamples recorded{scene.width, scene.height, samples, session.is_cpu(), {}, {}, {}, {}, {}};
-    const auto keep = [&](const gnomon::Points& points) {
+    gnomon::SampleViews views(device, triangles, view, samples);
+    for (std::size_t sample = 0; sample < views.count(); ++sample) {
+        const gnomon::Points points = views.at(sample).points;
         const std::size_t count = points.count();
         const auto planes = session.read_values<float>(points.positions(), 3 * count);
         for (std::size_t i = 0; i < count; ++i)
             add(recorded.positions, {planes[i], planes[count + i], planes[2 * count + i]});
         const auto ids = session.read_values<std::uint32_t>(points.receivers(), count);
         recorded.receivers.insert(recorded.receivers.end(), ids.begin(), ids.end());
-    };
+    }
     FragmentRecorder recorder(device, classify != Classify::nothing, map_size, recorded);
     if (classify == Classify::prepared) recorder.prepare(triangles, light);
-    recorded.statistics = gnomon::run_samples(recorder, triangles, view, light, samples, mean, keep);
+    recorded.statistics =
+        recorder.run({device, triangles, view, light, gnomon::sample_pattern(samples), mean, std::size_t{1} << 23});
     recorded.pixel_receivers = session.read_values<std::uint32_t>(view.points.receivers(), view.points.count());
     return recorded;
 }
