@@ -47,6 +47,12 @@
 #define GN_FOR_EACH(i, n) for (size_t i = get_global_id(0); i < (size_t)(n); i += get_global_size(0))
 #endif
 
+// for (i over [0, n)), shared out over the work-groups: all items of a group take the same i, of this type.
+#define GN_FOR_EACH_BY_GROUP(type, i, n) \
+    for (type i = (type)get_group_id(0); i < (type)(n); i += (type)get_num_groups(0))
+// The same, shared out over the items of the work-group.
+#define GN_FOR_EACH_IN_GROUP(i, n) for (uint i = (uint)get_local_id(0); i < (n); i += (uint)get_local_size(0))
+
 // The part of [0, n) that a work-item takes, and the loop over that part: GN_FOR_EACH_OF(i, item_range(n)) is
 // GN_FOR_EACH(i, n). In a kernel with GN_SHARES as its last parameter, launched with Session::shares(), the items of a
 // CPU, one for each core, take GN_SHARED_RANGE(n) from a counter instead, a run of neighbours at a time: no core waits

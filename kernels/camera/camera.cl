@@ -13,7 +13,7 @@
 static void find_visible(VisibilityWork* work, __local ListBatch* batch) {
     float3 eye = center_of(work->projection);
     uint shares = groups_per_tile(), count = work->projection->bins_x * work->projection->bins_y * shares;
-    for (uint i = (uint)get_group_id(0); i < count; i += (uint)get_num_groups(0)) {
+    GN_FOR_EACH_BY_GROUP(uint, i, count) {
         uint tile = i / shares;
         uint2 range = work->lists.ranges[tile];
         ItemPixel item = start_tile(work, tile, i % shares, batch);

@@ -20,7 +20,7 @@ __kernel void camera_filter(const CameraParams params, __constant const Projecti
     TileLists lists = {ranges, entries, records, bounds, {0, 0u}, 0, params.picture};
     VisibilityWork work = {params, projection, lists, 0, visible, GN_NO_ID};
     uint shares = groups_per_tile(), count = projection->bins_x * projection->bins_y * shares;
-    for (uint i = (uint)get_group_id(0); i < count; i += (uint)get_num_groups(0)) {
+    GN_FOR_EACH_BY_GROUP(uint, i, count) {
         uint tile = i / shares;
         uint2 range = ranges[tile];
         ItemPixel item = start_tile(&work, tile, i % shares, &batch);

@@ -18,7 +18,7 @@ __kernel void camera_search_chunks(const CameraParams params, __constant const P
     TileLists lists = {ranges, entries, records, bounds, triangles, rays, params.picture};
     VisibilityWork work = {params, projection, lists, pixel_receivers, 0, GN_NO_ID};
     uint shares = groups_per_tile();
-    for (uint i = (uint)get_group_id(0); i < params.chunk_count * shares; i += (uint)get_num_groups(0)) {
+    GN_FOR_EACH_BY_GROUP(uint, i, params.chunk_count * shares) {
         ListChunk chunk = chunks[i / shares];
         uint2 range = ranges[chunk.tile];
         range.x += chunk.index * params.long_list;
@@ -42,7 +42,7 @@ __kernel void camera_join_chunks(const CameraParams params, __constant const Pro
     TileLists lists = {ranges, 0, records, bounds, triangles, rays, params.picture};
     VisibilityWork work = {params, projection, lists, pixel_receivers, visible, GN_NO_ID};
     uint shares = groups_per_tile();
-    for (uint i = (uint)get_group_id(0); i < params.chunk_count * shares; i += (uint)get_num_groups(0)) {
+    GN_FOR_EACH_BY_GROUP(uint, i, params.chunk_count * shares) {
         ListChunk chunk = chunks[i / shares];
         if (chunk.index != 0u) continue;
         ItemPixel item = start_tile(&work, chunk.tile, i % shares, &batch);

@@ -25,12 +25,9 @@ static uint sum_of_run(__global const uint* counts, uint2 run) {
 static uint chunk_count_of(uint count) { return (count + SCAN_CHUNK - 1u) / SCAN_CHUNK; }
 static uint counts_in_chunk(uint count, uint chunk) { return min(count - chunk * SCAN_CHUNK, SCAN_CHUNK); }
 
-#define FOR_EACH_CHUNK(chunk, count) \
-    for (uint chunk = (uint)get_group_id(0); chunk < chunk_count_of(count); chunk += (uint)get_num_groups(0))
-
 __kernel void scan_sums(uint count, __global const uint* counts, __global uint* chunk_sums, __local uint* sums) {
     uint item = (uint)get_local_id(0), items = (uint)get_local_size(0);
-    FOR_EACH_CHUNK(chunk, count) {
+    GN_FOR_EACH_BY_GROUP(uint, chunk, chunk_count_of(count)) {
         scan_group(sum_of_run(counts, run_of_item(chunk * SCAN_CHUNK, counts_in_chunk(count, chunk))), sums);
         if (item == items - 1u) chunk_sums[chunk] = sums[item];
         barrier(CLK_LOCAL_MEM_FENCE);
@@ -53,7 +50,7 @@ __kernel void scan_chunks(uint count, __global uint* chunk_sums, __global uint* 
 
 __kernel void scan_offsets(uint count, __global const uint* counts, __global const uint* chunk_sums,
                            __global uint* offsets, __local uint* sums) {
-    FOR_EACH_CHUNK(chunk, count) {
+    GN_FOR_EACH_BY_GROUP(uint, chunk, chunk_count_of(count)) {
         uint2 run = run_of_item(chunk * SCAN_CHUNK, counts_in_chunk(count, chunk));
         scan_group(sum_of_run(counts, run), sums);
         uint before = add_sat(chunk_sums[chunk], sum_before(sums, (uint)get_local_id(0)));

@@ -38,21 +38,16 @@ __kernel void sort_scatter(SortParams params, __global const uint* keys, __globa
     }
 }
 #else
-#define FOR_EACH_CHUNK(chunk, chunks) \
-    for (uint chunk = (uint)get_group_id(0); chunk < (chunks); chunk += (uint)get_num_groups(0))
-#define FOR_EACH_OF_GROUP(i, count) for (uint i = (uint)get_local_id(0); i < (count); i += (uint)get_local_size(0))
-
 // of_digits: SORT_DIGITS words.
 __kernel void sort_count(SortParams params, __global const uint* keys, __global uint* counts, __local uint* of_digits) {
     uint count = params.count, chunks = chunk_count_of(count);
-    FOR_EACH_CHUNK(chunk, chunks) {
-        uint first = chunk * SORT_CHUNK;
-        FOR_EACH_OF_GROUP(digit, SORT_DIGITS) of_digits[digit] = 0u;
+    GN_FOR_EACH_BY_GROUP(uint, chunk, chunks) {
+        uint first = chunk * SORT_CHUNK, in_chunk = min(SORT_CHUNK, count - first);
+        GN_FOR_EACH_IN_GROUP(digit, SORT_DIGITS) of_digits[digit] = 0u;
         barrier(CLK_LOCAL_MEM_FENCE);
-        FOR_EACH_OF_GROUP(i, min(SORT_CHUNK, count - first))
-        atomic_inc(&of_digits[digit_of(keys[first + i], params.shift)]);
+        GN_FOR_EACH_IN_GROUP(i, in_chunk) atomic_inc(&of_digits[digit_of(keys[first + i], params.shift)]);
         barrier(CLK_LOCAL_MEM_FENCE);
-        FOR_EACH_OF_GROUP(digit, SORT_DIGITS) counts[digit * chunks + chunk] = of_digits[digit];
+        GN_FOR_EACH_IN_GROUP(digit, SORT_DIGITS) counts[digit * chunks + chunk] = of_digits[digit];
         barrier(CLK_LOCAL_MEM_FENCE);
     }
 }
@@ -102,20 +97,19 @@ __kernel void sort_scatter(SortParams params, __global const uint* keys, __globa
     __local uint* first_of_digit = half_sorted + SORT_CHUNK;
     __local uint* sums = first_of_digit + SORT_DIGITS;
     __local uint* slots_of_halves = sums + get_local_size(0);
-    FOR_EACH_CHUNK(chunk, chunks) {
+    GN_FOR_EACH_BY_GROUP(uint, chunk, chunks) {
         uint first = chunk * SORT_CHUNK, in_chunk = min(SORT_CHUNK, count - first);
-        FOR_EACH_OF_GROUP(i, in_chunk)
-        entries[i] = digit_of(keys[first + i], params.shift) << DIGIT_OF_ENTRY | i;
+        GN_FOR_EACH_IN_GROUP(i, in_chunk) entries[i] = digit_of(keys[first + i], params.shift) << DIGIT_OF_ENTRY | i;
         barrier(CLK_LOCAL_MEM_FENCE);
         sort_by_half(entries, in_chunk, DIGIT_OF_ENTRY, half_sorted, slots_of_halves, sums);
         sort_by_half(half_sorted, in_chunk, DIGIT_OF_ENTRY + SORT_HALF_BITS, entries, slots_of_halves, sums);
-        FOR_EACH_OF_GROUP(i, in_chunk) {
+        GN_FOR_EACH_IN_GROUP(i, in_chunk) {
             uint digit = entries[i] >> DIGIT_OF_ENTRY;
             bool is_first = i == 0u || entries[i - 1u] >> DIGIT_OF_ENTRY != digit;
             if (is_first) first_of_digit[digit] = i;
         }
         barrier(CLK_LOCAL_MEM_FENCE);
-        FOR_EACH_OF_GROUP(i, in_chunk) {
+        GN_FOR_EACH_IN_GROUP(i, in_chunk) {
             uint digit = entries[i] >> DIGIT_OF_ENTRY, from = first + (entries[i] & INDEX_OF_ENTRY);
             uint slot = slots[digit * chunks + chunk] + (i - first_of_digit[digit]);
             sorted_keys[slot] = keys[from];

@@ -144,7 +144,7 @@ __kernel void receiver_depth_pyramid_reduce(PyramidLevel level, __global uint* p
         x0 /= 2u;
         y0 /= 2u;
         uint side = 1u << (PYRAMID_LEVELS - up);
-        for (uint i = (uint)get_local_id(0); i < side * side; i += (uint)get_local_size(0)) {
+        GN_FOR_EACH_IN_GROUP(i, side * side) {
             uint x = x0 + i % side, y = y0 + i / side;
             if (x >= half_width || y >= half_height) continue;
             cells[y * half_width + x] = least_of_square(below, width, height, x, y);

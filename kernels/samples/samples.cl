@@ -191,7 +191,7 @@ __kernel void samples_fragments(SamplesParams params, __constant const SamplePat
     float3 eye = eye_of_samples(params);
     uint item = (uint)get_local_id(0), samples = pattern->count, sky_count = 0;
     begin_group(pattern, &group);
-    for (uint edge = (uint)get_group_id(0); edge < params.count; edge += (uint)get_num_groups(0)) {
+    GN_FOR_EACH_BY_GROUP(uint, edge, params.count) {
         uint i = unproven[edge];
         uint2 at = place_of_pixel(params.batch, i);
         uint own = pixel_receivers[at.y * params.batch.width + at.x];

@@ -169,7 +169,7 @@ __kernel void samples_filter(SamplesParams params, __constant const SamplePatter
     __global uint *left = edges + params.batch.edge_slots, *unproven = left + params.batch.edge_slots;
     begin_group(pattern, &group);
     // (H100: with 8 neighbouring pixels for each group this took .29 ms, with one pixel .10.)
-    for (uint k = (uint)get_group_id(0); k < count; k += (uint)get_num_groups(0)) {
+    GN_FOR_EACH_BY_GROUP(uint, k, count) {
         uint i = left[k];
         uint2 at = place_of_pixel(params.batch, i);
         uint own = pixel_receivers[at.y * params.batch.width + at.x];
@@ -220,7 +220,7 @@ __kernel void samples_open_fragments(SamplesParams params, __constant const Samp
     uint item = (uint)get_local_id(0), items = (uint)get_local_size(0), samples = pattern->count, sky_count = 0;
     uint count = min(counters->open_pixels, params.open.pixels);
     begin_group(pattern, &group);
-    for (uint k = (uint)get_group_id(0); k < count; k += (uint)get_num_groups(0)) {
+    GN_FOR_EACH_BY_GROUP(uint, k, count) {
         uint i = open.pixels[k];
         if (i == GN_NO_ID) continue;
         uint2 at = place_of_pixel(params.batch, i);

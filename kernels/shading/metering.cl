@@ -8,7 +8,7 @@ static uint meter_digits(uint pass) { return pass == 0u ? 2048u : 1024u; }
 __kernel void meter_count(uint pass, uint pixels, __global const float* lights, __global const Meter* meter,
                           __global uint* counts, __local uint* of_group) {
     uint digits = meter_digits(pass), shift = METER_SHIFT(pass);
-    for (uint i = (uint)get_local_id(0); i < digits; i += (uint)get_local_size(0)) of_group[i] = 0u;
+    GN_FOR_EACH_IN_GROUP(i, digits) of_group[i] = 0u;
     barrier(CLK_LOCAL_MEM_FENCE);
     uint chosen = pass == 0u ? 0u : meter->chosen;
     GN_FOR_EACH(i, pixels) {
@@ -17,8 +17,9 @@ __kernel void meter_count(uint pass, uint pixels, __global const float* lights, 
         if (light >= 0.0f && bits / digits >> shift == chosen) atomic_inc(of_group + (bits >> shift) % digits);
     }
     barrier(CLK_LOCAL_MEM_FENCE);
-    for (uint i = (uint)get_local_id(0); i < digits; i += (uint)get_local_size(0))
+    GN_FOR_EACH_IN_GROUP(i, digits) {
         if (of_group[i] != 0u) atomic_add(counts + i, of_group[i]);
+    }
 }
 
 // One work-group chooses a pass's digit, and clears the counts for the next pass. `sums`: one for each item.

@@ -210,7 +210,7 @@ __kernel void depth_pass_chunks(DepthPass pass, __global const float* vertices, 
     __local PartTiles tiles;
     Drawing d = drawing_of(&pass, vertices, views, tables, nearest, output);
     uint count = min(*chunk_count, pass.chunk_capacity);
-    for (uint i = (uint)get_group_id(0); i < count; i += (uint)get_num_groups(0)) {
+    GN_FOR_EACH_BY_GROUP(uint, i, count) {
         Chunk chunk = chunks[i];
         Casters caster;
         TexelRectangle texels = load_chunk(&d, views, &chunk, &caster);

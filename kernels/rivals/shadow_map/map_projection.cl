@@ -35,14 +35,14 @@ __kernel void map_projection_bounds(ViewPlan plan, ViewRange range, PointsLayout
             low = fmin(low, position);
             high = fmax(high, position);
         }
-        for (size_t i = get_local_id(0); i < 8; i += get_local_size(0)) shared[i] = 0xFFFFFFFFu;
+        GN_FOR_EACH_IN_GROUP(i, 8) shared[i] = 0xFFFFFFFFu;
         barrier(CLK_LOCAL_MEM_FENCE);
         if (low.x <= high.x) {
             include_position(shared, low);
             include_position(shared, high);
         }
         barrier(CLK_LOCAL_MEM_FENCE);
-        for (size_t i = get_local_id(0); i < 8; i += get_local_size(0)) atomic_min(&bounds[index].least[i], shared[i]);
+        GN_FOR_EACH_IN_GROUP(i, 8) atomic_min(&bounds[index].least[i], shared[i]);
         barrier(CLK_LOCAL_MEM_FENCE);
     }
 }

@@ -132,15 +132,14 @@ __kernel void rectilinear_tables(WarpPlan warp, __global const uint* importance,
                                  __global float* tables, __local float* lines) {
     uint view = (uint)get_group_id(0) / 2, axis = (uint)get_group_id(0) % 2;
     __global const uint* cells = importance + view * CELLS;
-    for (uint line = (uint)get_local_id(0); line < WARP_SEGMENTS; line += (uint)get_local_size(0)) {
+    GN_FOR_EACH_IN_GROUP(line, WARP_SEGMENTS) {
         uint largest = 0;
         for (uint i = 0; i < WARP_SEGMENTS; ++i)
             largest = max(largest, cells[axis == 0u ? i * WARP_SEGMENTS + line : line * WARP_SEGMENTS + i]);
         lines[line] = as_float(largest);
     }
     barrier(CLK_LOCAL_MEM_FENCE);
-    for (uint line = (uint)get_local_id(0); line < WARP_SEGMENTS; line += (uint)get_local_size(0))
-        lines[WARP_SEGMENTS + line] = blurred(lines, (int)line);
+    GN_FOR_EACH_IN_GROUP(line, WARP_SEGMENTS) lines[WARP_SEGMENTS + line] = blurred(lines, (int)line);
     barrier(CLK_LOCAL_MEM_FENCE);
     if (get_local_id(0) != 0) return;
 

@@ -218,7 +218,7 @@ __kernel void virtual_map_pairs(VirtualPass all, __global const float* vertices,
     Drawing d = {pass, triangles_of(vertices, pass.triangles), pages, tables, keys, keys};
     d.reach = WHOLE_MAP;
     uint count = min(counters->pairs, pass.chunk_capacity);
-    for (uint i = (uint)get_group_id(0); i < count; i += (uint)get_num_groups(0)) {
+    GN_FOR_EACH_BY_GROUP(uint, i, count) {
         Casters caster;
         uint page = page_of[pairs[i].y];
         TexelRectangle part = load_part(&all.plan, &d, pages + page, pairs[i].y, pairs[i].x, &caster);
