@@ -34,12 +34,6 @@
 #define FOOTPRINT_SLACK 1.01f
 // Is added to each of a row's sizes, and to their sum: more than underflow takes (tests/proofs/footprints.v).
 #define FOOTPRINT_NEAR 0x1p-90f
-// Bins (or texels) per side that a footprint may span; a larger footprint is mixed, whatever occluders there are.
-#if GN_LANES == 1
-#define FOOTPRINT_SPAN 3  // a GPU would wait longer for a few larger footprints than it takes to trace their samples
-#else
-#define FOOTPRINT_SPAN 8
-#endif
 // A footprint that spans at most this number of bins per side lowers the depth of every bin that it touches, so that
 // its samples find all their occluders there. (Of Sponza's 2.6 million footprints three span 32 or more.)
 #define LISTED_SPAN 64
@@ -166,6 +160,5 @@ static LaneInt spans_below(const CellSpan* span, int cells) {
     LaneInt most = (LaneInt)(cells);
     return LANE_COMPARE(span->x1 - span->x0, <, most) & LANE_COMPARE(span->y1 - span->y0, <, most);
 }
-static LaneInt small_spans(const CellSpan* span) { return spans_below(span, FOOTPRINT_SPAN); }
 
 #endif

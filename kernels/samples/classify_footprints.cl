@@ -34,6 +34,13 @@
 #include "samples/classify_footprints.h"
 #include "samples/clearance.clh"
 
+// Bins (or texels) per side that a footprint may span; a larger footprint is mixed, whatever occluders there are.
+#if GN_LANES == 1
+#define FOOTPRINT_SPAN 3  // a GPU would wait longer for a few larger footprints than it takes to trace their samples
+#else
+#define FOOTPRINT_SPAN 8
+#endif
+
 typedef struct OccluderLists {
     __global const uint2* ranges;
     __global const BinEntries* entries;
@@ -156,7 +163,7 @@ static ProjectedFootprints project_footprints(__constant const Projection* proje
     ProjectedFootprints projected;
     projected.grid = project_footprint(projection, centres, world);
     projected.span = footprint_cells(projection, &projected.grid, projection->bin_log2);
-    projected.usable = projected.grid.usable & small_spans(&projected.span);
+    projected.usable = projected.grid.usable & spans_below(&projected.span, FOOTPRINT_SPAN);
     return projected;
 }
 
@@ -341,7 +348,7 @@ static void decide_undecided(OccluderLists lists, __global const float* vertices
 static LaneInt footprints_below_map(__constant const Projection* projection, const GridFootprint* grid, LaneInt lanes,
                                     __global const uint* map) {
     CellSpan texels = footprint_cells(projection, grid, 0);
-    lanes &= small_spans(&texels);
+    lanes &= spans_below(&texels, FOOTPRINT_SPAN);
     LaneInt highest = lanes_in_order(grid->centre.z + grid->reach.z);
     for (int lane = 0; lane < GN_LANES; ++lane) {
         if (!LANE_OF_INT(lanes, lane)) continue;
