@@ -470,6 +470,25 @@ static void check_many_lights(const gnomon_device* device, const gnomon_triangle
     gnomon_technique_destroy(technique);
 }
 
+// What observers see is what lamps at their eyes light: one above the roof sees no point, one below it sees all.
+static void check_observers(const gnomon_device* device, const gnomon_triangles* triangles,
+                            const gnomon_points* points) {
+    const float above_roof[3] = {0, 5, 0}, below_roof[3] = {0, 1, 0};
+    gnomon_light eyes[2];
+    gnomon_lights* lights;
+    gnomon_technique* technique;
+    uint32_t bits[3], counts[3];
+    const gnomon_light_table_arrays arrays = {sizeof(arrays), bits, counts, NULL, NULL, NULL, false};
+    DONE(gnomon_light_point(above_roof, &eyes[0]));
+    DONE(gnomon_light_point(below_roof, &eyes[1]));
+    DONE(gnomon_lights_create(eyes, NULL, 2, &lights));
+    DONE(gnomon_technique_create(device, "frustum-traced", &technique));
+    DONE(gnomon_technique_run_light_table_to_host(technique, triangles, points, lights, &arrays, NULL, NULL));
+    for (int i = 0; i < 3; ++i) EXPECT(bits[i] == 2 && counts[i] == 1);
+    gnomon_technique_destroy(technique);
+    gnomon_lights_destroy(lights);
+}
+
 static void destroy_nothing(void) {
     gnomon_lights_destroy(NULL);
     gnomon_device_list_destroy(NULL);
@@ -522,6 +541,7 @@ static void fans(c_inputs* in) { check_fans(in->device, in->triangles, in->light
 static void many_lights(c_inputs* in) {
     check_many_lights(in->device, in->triangles, in->points, in->visibility, in->lights);
 }
+static void observers(c_inputs* in) { check_observers(in->device, in->triangles, in->points); }
 static void views(c_inputs* in) { check_views(in->device, in->triangles, &in->camera, in->lights[0]); }
 static void parts_and_reasons(c_inputs* in) {
     check_parts_and_reasons(in->device, in->triangles, in->points, &in->camera, in->lights[0]);
@@ -541,6 +561,7 @@ const c_group c_groups[] = {
     {"a technique", technique, 0},
     {"vertex fans", fans, 0},
     {"many lights", many_lights, 0},
+    {"what observers see", observers, 0},
     {"views", views, 0},
     {"parts and reasons", parts_and_reasons, 0},
     {"a device and its description", device, 0},

@@ -17,6 +17,7 @@
 
 #include "c/c_groups.h"
 #include "cl/opencl.hpp"
+#include "sight/height_grid.hpp"
 #include "support/scene_makers.hpp"
 
 namespace {
@@ -126,6 +127,13 @@ void build_and_run(cl_context context, cl_command_queue queue) {
     clReleaseProgram(program);
 }
 
+/// Its events, of the first launches and of all, are given back when their times are asked for.
+void device_that_profiles() {
+    const Device device(default_device().selector, {.profile = true});
+    expect_answer(device);
+    EXPECT_GE(device.kernel_builds().ms, 0);
+}
+
 void bare_buffer(Kept& kept) {
     float answer[3];
     const cl_mem buffer = clCreateBuffer(kept.device.context(), CL_MEM_READ_WRITE, sizeof(answer), nullptr, nullptr);
@@ -180,6 +188,26 @@ void table_of_lights(Kept& kept) {
     kept.device.finish();
 }
 
+/// What observers see is what lamps at their eyes light: one above the roof sees no point, one below it sees all.
+void what_observers_see(Kept& kept) {
+    const gnomon::Lights eyes({gnomon::Light::point({0, 5, 0}), gnomon::Light::point({0, 1, 0})});
+    const auto seen =
+        gnomon::run_light_table_to_host(*kept.technique, kept.triangles, kept.points, eyes, {.bits = true});
+    ASSERT_EQ(seen.bits, std::vector<std::uint32_t>(3, 2));
+}
+
+void viewsheds(Kept& kept, std::size_t round) {
+    constexpr std::int32_t size = 40;
+    std::vector<std::int32_t> heights(size * size), spans;
+    for (std::int32_t i = 0; i < size * size; ++i) heights[std::size_t(i)] = i % 97 == 0 ? NO_HEIGHT : i * 7919 % 500;
+    for (std::int32_t i = 0; i < size; ++i) spans.insert(spans.end(), {0, size});
+    gnomon::HeightGrid grid(kept.device, heights, size);
+    const gnomon::Eye eye{std::int32_t(round % 9) * SUBCELLS, 20 * SUBCELLS, 600, 0};
+    ASSERT_EQ(grid.look(eye, {0, size}, spans).size(), heights.size());
+    ASSERT_EQ(grid.least_heights(eye, {0, size}, spans).size(), heights.size());
+    ASSERT_EQ(grid.look_from({&eye, 1}, {0, size}, spans, true).words.size(), heights.size());
+}
+
 void run_that_is_cancelled(Kept& kept) {
     const gnomon::RunOptions options{.progress = [](double) { return false; }};
     EXPECT_THROW(kept.technique->run(kept.triangles, kept.points, noon, kept.visibility, options), gnomon::Cancelled);
@@ -213,6 +241,7 @@ const std::vector<Operation> of_devices{
     {"bare OpenCL: a program", [](std::size_t) { with_queue(build_and_run); }},
     {"devices()", [](std::size_t) { ASSERT_FALSE(gnomon::devices().empty()); }},
     {"a device", [](std::size_t) { expect_answer(Device()); }},
+    {"a device that profiles", [](std::size_t) { device_that_profiles(); }},
     {"a device by name, with a limit", device_by_name},
     {"a queue of the caller's",
      [](std::size_t) { with_queue([](cl_context c, cl_command_queue q) { expect_triangles(Device(c, q)); }); }},
@@ -227,6 +256,8 @@ std::vector<Operation> of_one_device(Kept& kept) {
         {"a shadow map with other settings", [&](std::size_t round) { shadow_map_of_other_settings(kept, round); }},
         {"a prepared light", [&](std::size_t round) { prepared_light(kept, round); }},
         {"a table of lights", [&](std::size_t) { table_of_lights(kept); }},
+        {"what observers see", [&](std::size_t) { what_observers_see(kept); }},
+        {"viewsheds", [&](std::size_t round) { viewsheds(kept, round); }},
         {"a run that is cancelled", [&](std::size_t) { run_that_is_cancelled(kept); }},
         {"a view, its samples and its picture", [&](std::size_t) { view_and_samples(kept); }},
         {"an explanation", [&](std::size_t) { explanation(kept); }},

@@ -50,6 +50,7 @@ last = used()
 print(json.dumps([b - a for a, b in zip(first, last)]))
 """
 QUEUE = "import pyopencl as cl, pyopencl.array; context = cl.create_some_context(interactive=False)\n"
+HILLS = "hills = 9 * np.random.default_rng(0).random((48, 48))\n"
 
 OPERATIONS = {
     "a scene, opened and closed": ("", "with gnomon.Scene(ROOF) as s: answer(s)"),
@@ -64,6 +65,16 @@ OPERATIONS = {
         "", "light = (0.1, 0.01 * i, -1); scene.prepare(direction=light); scene.lit(many, direction=light)"),
     "vertices": ("", "scene.lit(np.unique(ROOF.reshape(-1, 3), axis=0), direction=DOWN, side=gnomon.Side.vertices())"),
     "a view": ("", "scene.view((0, 0, 9), (0, 0, 0), up=(0, 1, 0), size=(64, 48)).image(direction=DOWN, samples=4)"),
+    "a viewshed": (HILLS, "gnomon.viewshed(hills, (9, 9), cell=1, distance=20 + i % 9, outside=3 * (i % 2) or None)"),
+    "viewsheds of one grid": (
+        HILLS + "grid = gnomon.ViewshedGrid(hills, cell=1)",
+        "grid.viewshed([(9, 9), (20 + i % 9, 30)]); grid.least_heights((9 + i % 9, 9))"),
+    "what observers see": (
+        "", "scene.visible_from([[0.1, -1, 0.1 * (i % 9)], [0, 5, 0]], many, distance=9 + i % 9, up=(0, 1, 0))"),
+    "lit shares": (
+        "import gnomon.surfaces; suns = np.array([[0.1 * i, 0.2, -1] for i in range(9)])\n"
+        "plates = np.random.default_rng(0).random((60, 3, 3))",
+        "gnomon.surfaces.lit_fractions(plates, suns, limit=50 + i % 9, centroids=True, threads=2)"),
     "a technique": ("", "scene.visibility(POINTS, direction=DOWN, technique='pcf')"),
     "a technique with other settings": (
         "", "scene.visibility(POINTS, direction=DOWN, technique=gnomon.Technique('pcf', {'size': 64 + 8 * (i % 20)}))"),
