@@ -83,6 +83,21 @@ def test_decimal_points_beside_a_float32_mesh():
     assert scene.lit([[0.1, 0.2, 0], [0.9, 0.2, 0]], direction=DOWN).tolist() == [False, True]
 
 
+def test_float32_that_moves_less_than_a_lattice():
+    """A small roof beside ground of 1,000 km, whose lattice has steps of centimetres: it would put edge and points, a
+    millimetre apart, at one place. float32 moves the points by less than a nanometre."""
+    edge = 2.0**-10
+    roof = box(-1, -1, 1 + edge, 2, 1) + [0, 0, 2]
+    far = np.array([[[-5e5, -5e5, -9], [5e5, -5e5, -9], [0, 5e5, -9]]])
+    scene = gnomon.Scene(np.concatenate([roof, far]).astype(np.float32))
+    points = np.array([[edge + 1e-4, 0, 0], [edge - 1e-4, 0, 0]])
+    assert scene._on_lattice().lattice.step > 0.01 and (points.astype(np.float32) != points).any()
+    assert scene.lit(points, direction=DOWN).tolist() == [True, False]
+    assert scene.lit_by(points, gnomon.Lights.directions([DOWN])).sums.tolist() == [1, 0]
+    normals = gnomon.Side.normals(np.tile([0.0, 0.0, 1.0], (2, 1)))
+    assert scene.lit(points, direction=DOWN, side=normals).tolist() == [True, False]
+
+
 def test_what_float32_serves_keeps_its_bits():
     """Points that are float32 values go the way they went, and decide as the triangles' own bits say."""
     scene = gnomon.Scene(BOX.astype(np.float32))
