@@ -187,6 +187,16 @@ def test_coordinates_among_their_like(scene):
     assert scene.lit([[-9999, 0, 0], [-9000, 0, 0]], direction=DOWN).tolist() == [True, True]
 
 
+@pytest.mark.parametrize("real", [np.float32, np.float64])
+def test_a_plate_wholly_at_a_number_of_no_data(real):
+    """So does a mesh look that was made of a raster without data: it is refused, and moved a little it is a place."""
+    plate = np.array([[0, 0, -9999], [9, 0, -9999], [9, 9, -9999]], real)
+    with pytest.raises(ValueError, match="vertices: row 0 .* leave it out, or move it a little if it is a place"):
+        gnomon.Scene(plate, [[0, 1, 2]])
+    scene = gnomon.Scene(plate + real(1e-3), [[0, 1, 2]])
+    assert scene.lit([[5, 4, -9998], [5, 4, -10001]], direction=DOWN).tolist() == [True, False]
+
+
 @pytest.mark.parametrize("type", ["int32", "int64", "uint32", "uint64"])
 def test_integers_that_nan_becomes(scene, type):
     limits = np.iinfo(type)
