@@ -34,7 +34,8 @@ OwnPoints read_points(const std::filesystem::path& file, const scene::Extent& ex
     rows.require(positions, "points need the columns x, y, z, and nx, ny, nz for the side that they face");
     if (rows.rows() == 0) throw Error(file.string() + " has no points");
     rows.require_places(positions);
-    const bool has_normals = rows.has("nx") && rows.has("ny") && rows.has("nz");
+    rows.require_all_or_none({"nx", "ny", "nz"});
+    const bool has_normals = rows.has("nx");
     OwnPoints points;
     for (std::size_t row = 0; row < rows.rows(); ++row) {
         for (std::size_t c = 0; c < (has_normals ? 6u : 3u); ++c)
@@ -72,6 +73,7 @@ Lighting lighting_of(const HoursOptions& options) {
     }
     SunTable table = read_suns(*options.directions, options.north_degrees);
     if (table.suns.empty() && table.below_horizon == 0) throw Error(options.directions->string() + " has no suns");
+    if (!table.note.empty()) warn_or_refuse(options, table.note);
     return {std::move(table)};
 }
 

@@ -175,6 +175,7 @@ SunTable read_suns(const std::filesystem::path& file, double north_degrees) {
         table.suns.push_back(std::move(sun));
     }
     if (rows.has("weight")) rows.require_weights("weight");
+    table.note = rows.unread_weights();
     return table;
 }
 

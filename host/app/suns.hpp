@@ -27,6 +27,7 @@ struct SunTable {
     std::uint32_t step_minutes = 0;  ///< of suns_of_place(): each sun's exact weight; 0: their own weights count
     bool is_irradiation = false;     ///< of suns_of_weather(): weights are Wh/m2, sums kWh/m2
     std::string facts{};             ///< what the weather file says of itself, for people
+    std::string note{};              ///< a sentence about columns that were not read
 
     /// Their weights are in units of 1 / weights_per_unit(), so that sums of steps are exact: 144 x 10 minutes are 24
     /// h.

@@ -809,6 +809,8 @@ void bind_tables(nb::module_& m) {
         .def("require", &NumberTable::require)
         .def("require_places", &NumberTable::require_places)
         .def("require_weights", &NumberTable::require_weights)
+        .def("require_all_or_none", &NumberTable::require_all_or_none)
+        .def("unread_weights", &NumberTable::unread_weights)
         .def("require_degrees", &NumberTable::require_degrees);
     namespace scene = gnomon::scene;
     m.attr("no_data") = std::vector<double>(scene::no_data.begin(), scene::no_data.end());

@@ -215,6 +215,23 @@ bool is_degrees(std::string_view unit) {
     return std::ranges::find(degrees, unit) != degrees.end();
 }
 
+/// Words of headings for what people weigh suns by.
+constexpr std::string_view words_of_weights =
+    " bni diffuse direct dhi dni dt duration energy factor flux gb gd ghi global hours illuminance insolation "
+    "intensity irradiance irradiation kwh luminance minutes poa power probability radiance radiation seconds share w "
+    "weight weights wh ";
+
+/// By a word of the heading's name, or by watts.
+bool speaks_of_weights(const std::string& name, std::string_view unit) {
+    std::string words = " " + name + " ";
+    std::ranges::replace_if(
+        words, [](char c) { return c < 'a' || c > 'z'; }, ' ');
+    bool is_weight = unit.starts_with("w") || unit.starts_with("kw");
+    for (std::size_t at = 0, end = 0; (end = words.find(' ', at + 1)) != std::string::npos; at = end)
+        is_weight |= end > at + 1 && words_of_weights.find(words.substr(at, end + 1 - at)) != std::string_view::npos;
+    return is_weight;
+}
+
 constexpr double largest_azimuth = 6.3, largest_elevation = 1.6;  // radians, rounded up as tables may round them
 
 bool is_metres(std::string_view unit) {
@@ -225,8 +242,8 @@ bool is_metres(std::string_view unit) {
 }  // namespace
 
 std::map<std::string, std::string> point_headings() {
-    return {{"easting", "x"}, {"east", "x"},      {"northing", "y"}, {"north", "y"},
-            {"height", "z"},  {"elevation", "z"}, {"altitude", "z"}};
+    return {{"easting", "x"},   {"east", "x"},     {"northing", "y"},  {"north", "y"},     {"height", "z"},
+            {"elevation", "z"}, {"altitude", "z"}, {"normal_x", "nx"}, {"normal_y", "ny"}, {"normal_z", "nz"}};
 }
 
 std::map<std::string, std::string> sun_headings() { return {{"weights", "weight"}}; }
@@ -370,6 +387,24 @@ void NumberTable::require_places(const std::vector<std::string>& columns) const 
 void NumberTable::require_weights(const std::string& column) const {
     if (const auto row = first_absent_weight(numbers(column)))
         refuse(*row, joined({column, " = \"", text(*row, column), "\", which stands for no data: write 0"}));
+}
+
+void NumberTable::require_all_or_none(const std::vector<std::string>& columns) const {
+    std::string there, missing;
+    for (const std::string& name : columns) (has(name) ? there : missing).append(" ").append(name);
+    if (there.empty() || missing.empty()) return;
+    throw InvalidArgument(joined({file_, ": has", there, ", and lacks", missing, ": give all of them, or none"}));
+}
+
+std::string NumberTable::unread_weights() const {
+    std::vector<std::string> unread;
+    for (std::size_t i = 0; i < names_.size() && !has("weight"); ++i)
+        if (speaks_of_weights(names_[i], units_[i])) unread.push_back("\"" + names_[i] + "\"");
+    if (unread.empty()) return {};
+    std::string text = file_ + ": ";
+    for (const std::string& column : unread) text.append(column).append(&column == &unread.back() ? "" : ", ");
+    return joined({text, ": not read, and every sun weighs 1: the heading \"weight\" in place of ", unread.front(),
+                   " makes it the weights"});
 }
 
 void NumberTable::refuse(std::size_t row, const std::string& reason) const {

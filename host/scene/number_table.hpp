@@ -50,6 +50,11 @@ public:
     /// column of weights.
     void require_places(const std::vector<std::string>& columns) const;
     void require_weights(const std::string& column) const;
+    /// Throws if the table has some of these columns, and not all.
+    void require_all_or_none(const std::vector<std::string>& columns) const;
+    /// Of a table of suns without the column weight: a sentence about the columns whose headings speak of weights or of
+    /// irradiance, which are not read; empty if there are none.
+    std::string unread_weights() const;
     /// Of the values of the columns azimuth and elevation: throws if the headings name no unit and all values are as
     /// small as radians, with a sun above the horizon.
     void require_degrees(const std::vector<double>& azimuths, const std::vector<double>& elevations) const;

@@ -172,6 +172,13 @@ TEST_F(Suns, TablesOfAllKinds) {
 
 // suns_of_hours.csv and suns_of_study.csv are made by hand: two suns, in a scene whose y points up and in one whose z
 // does. tests/python/study/test_sun_tables.py has the other half.
+TEST_F(Suns, WeightsUnderOtherHeadingsAreTold) {
+    EXPECT_NE(read_suns(file("azimuth,elevation,DNI [W/m2]\n180,45,700\n"), 0).note.find("\"dni\": not read"),
+              std::string::npos);
+    EXPECT_EQ(read_suns(file("azimuth,elevation,dni,weight\n180,45,700,2\n"), 0).note, "");
+    EXPECT_EQ(read_suns(file("azimuth,elevation,note,zenith\n180,45,a,45\n"), 0).note, "");
+}
+
 TEST_F(Suns, OneTableServesHoursAndStudies) {
     const fs::path of_hours = GNOMON_TESTS "/command/suns_of_hours.csv";
     const fs::path of_study = GNOMON_TESTS "/command/suns_of_study.csv";

@@ -12,12 +12,14 @@ import zipfile
 
 import gltf_made
 import numpy as np
+import pandas
 import pyproj
 import pytest
 import rasterio
 import trimesh
 import xarray
-from gnomon.studies import StudyStoppedError, meshes, units
+from gnomon.studies import StudyStoppedError, meshes, rasters, suns, units
+from gnomon.studies.settings import settings_of
 from made import run
 from rasterio.rio.main import main_group
 
@@ -424,6 +426,24 @@ def test_cities_elsewhere(tmp_path, crs, of_study, text):
     assert "run the same study again" not in str(error.value)
 
 
+def tmerc(k=0.9996, same_at=None):
+    """UTM 32N with another scale; same_at: the place of both that has the same numbers."""
+    x_0, y_0 = (500_000, 0) if same_at is None else np.array(same_at) - k / 0.9996 * (same_at - np.array([500_000, 0]))
+    return f"+proj=tmerc +lat_0=0 +lon_0=9 +k={k} +x_0={x_0:.6f} +y_0={y_0:.6f} +ellps=GRS80 +units=m"
+
+
+def test_maps_that_have_other_numbers(tmp_path):
+    """By where they put the mesh, not by their names; a mesh that mesh_offset= moves may count from anywhere."""
+    path = city(tmp_path / "a.city.json", crs=OGC + "25832")
+    given = dict(points=[[0, 0, 0], [50, 0, 0]], meshes=path)
+    assert answers(tmp_path, **given, crs=tmerc())[0].tolist() == [False, True]
+    for other in (tmerc().replace("500000", "500100"), tmerc(0.5, (-10, -10)), tmerc(0.5, (10, 10))):
+        with pytest.raises(StudyStoppedError, match="is not the study's, unknown: reproject it first .task"):
+            answers(tmp_path, **given, crs=other)
+    moved = answers(tmp_path, **given, crs="EPSG:25833", mesh_offset=(50, 0, 0))[0]
+    assert moved.tolist() == [True, False]
+
+
 # ---- Units of heights and grids ------------------------------------------------------------------------------------
 # A ridge of 100 units from south to north, the sun in the west at 45 degrees: the shadow is as long as it is high.
 
@@ -470,6 +490,7 @@ UNITS = [
     (dict(dtype="int16", height=1000, scale=0.1, unit="ft"), None, FOOT / 10),
     (dict(tags=dict(standard_name="surface_altitude")), None, 1),
     (dict(unit="mm", tags=dict(NETCDF_VARNAME="z"), height=100_000), "mm", 0.001),
+    (dict(unit="ft", crs="EPSG:26913+5703"), None, FOOT), (dict(unit="m", crs="EPSG:26913+6360"), None, 1),
     (dict(tag="feet"), None, FOOT), (dict(tag="degrees"), None, 1), (dict(tag="feet", unit="m"), None, 1),
 ]  # fmt: skip
 
@@ -478,6 +499,25 @@ UNITS = [
 def test_units_of_heights(tmp_path, made, named, metres):
     length = made.get("height", 100) * metres
     assert shadow(tmp_path, ridge(tmp_path, **made), height_unit=named) == 5 * int(length / 5 + 1e-9)
+
+
+def test_packed_heights_in_feet(tmp_path):
+    """value * scale + offset, then feet; an offset alone, too."""
+    raster = ridge(tmp_path, dtype="int16", unit="ft")
+    for scale, offset, expected in [(0.5, 1000, 1050), (1, 1000, 1100), (0.5, 0, 50)]:
+        with rasterio.open(raster, "r+") as file:
+            file.scales, file.offsets = (scale,), (offset,)
+        crest = rasters.open_mosaic((raster,)).heights(5, 6, 20, 21)
+        assert crest.tolist() == [[expected * FOOT]]
+
+
+def test_each_tile_has_its_own_unit(tmp_path):
+    """The second one is in feet, and lies west of the first."""
+    more = dict(transform=rasterio.Affine(5, 0, 500_205, 0, -5, 4_000_000), columns=(41, 81), height=0)
+    east, west = ridge(tmp_path, name="east.tif", **more), ridge(tmp_path, name="west.tif", unit="ft", columns=(0, 41))
+    for tiles in ((east, west), (west, east)):
+        mosaic = rasters.open_mosaic(tiles)
+        assert mosaic.heights(5, 6, 20, 21) == 100 * FOOT and mosaic.west == 500_000
 
 
 def test_all_names_of_feet_are_known():
@@ -545,6 +585,8 @@ REFUSED = {
                               "--dst-crs EPSG:32760"),
     "degrees of Svalbard's north": (dict(crs="EPSG:4326", transform=rasterio.Affine(5e-5, 0, 20, 0, -5e-5, 84.5)),
                                     "--dst-crs EPSG:32661"),
+    "degrees of Antarctica": (dict(crs="EPSG:4326", transform=rasterio.Affine(5e-5, 0, 20, 0, -5e-5, -84.5)),
+                              "--dst-crs EPSG:32761"),
     "degrees beyond the antimeridian": (
         dict(crs="EPSG:4326", transform=rasterio.Affine(5e-5, 0, 183, 0, -5e-5, -17)), "--dst-crs EPSG:32701"),
     "feet": (dict(crs="EPSG:2229", transform=rasterio.Affine(5, 0, 6_480_000, 0, -5, 1_840_000)),
@@ -645,6 +687,8 @@ def test_rasters_inside_of_a_file(tmp_path):
     (dict(crs="EPSG:26914"), "b.tif: its CRS .NAD83 / UTM zone 14N. is not that of .*a.tif .NAD83 / UTM zone 13N."),
     (dict(transform=rasterio.Affine(5, 0, 500_206.3, 0, -5, 4_000_000)), "b.tif: its grid .cells of 5.0 x 5.0, from"),
     (dict(transform=rasterio.Affine(5.01, 0, 500_205, 0, -5, 4_000_000)), "b.tif: its grid .cells of 5.01 x 5.0"),
+    (dict(transform=rasterio.Affine(5, 0, 500_205, 0, -5, 4_000_001.3)), "b.tif: its grid .* 4000001.3 on. is not"),
+    (dict(transform=rasterio.Affine(5, 0, 500_205, 0, -5.01, 4_000_000)), "b.tif: its grid .cells of 5.0 x 5.01"),
 ])  # fmt: skip
 def test_tiles_that_do_not_fit(tmp_path, more, text):
     more = dict(transform=rasterio.Affine(5, 0, 500_205, 0, -5, 4_000_000)) | more
@@ -664,8 +708,6 @@ MAPS = ["EPSG:32632", "EPSG:3857", "EPSG:3035", "EPSG:6933", "EPSG:3395", "EPSG:
 def test_directions_on_the_map(crs):
     """A sun at azimuth a and elevation e: the end of its shadow on the ground, walked on the ellipsoid, is where the
     direction on the map leads."""
-    from gnomon.studies import suns
-
     place = suns.Map(crs)
     longitude, latitude = 9.0, 60.0
     x, y = pyproj.Transformer.from_crs("EPSG:4326", crs, always_xy=True).transform(longitude, latitude)
@@ -676,3 +718,60 @@ def test_directions_on_the_map(crs):
         length = 100 / np.tan(np.radians(20))
         end = np.array(projection(*geod.fwd(*own, azimuth + 180, length)[:2])) - [x, y]
         assert np.abs(end + towards[:2] / towards[2] * 100).max() < 0.03, azimuth
+
+
+@pytest.mark.parametrize("crs", ["EPSG:3857", "EPSG:3035", "+proj=sinu", "EPSG:5513"])
+def test_suns_by_time_on_the_map(crs):
+    """Those of pvlib over the zone's centre, with the ends of their shadows walked on the ellipsoid; numbers that grow
+    to the south and west (5513) are a map, too."""
+    pvlib = pytest.importorskip("pvlib")
+    x, y = pyproj.Transformer.from_crs("EPSG:4326", crs, always_xy=True).transform(18.0, 49.0)
+    found = suns_by_time(crs, x, y, zone=100)
+    x, y = found.centre(tuple(found.zones[0]))
+    longitude, latitude = pyproj.Transformer.from_crs(crs, "EPSG:4326", always_xy=True).transform(x, y)
+    position = pvlib.solarposition.spa_python(pandas.DatetimeIndex(found.times), latitude, longitude, delta_t=None)
+    geod, projection = pyproj.CRS(crs).get_geod(), pyproj.Proj(crs)
+    own = projection(x, y, inverse=True)
+    for towards, azimuth, elevation in zip(found.towards[0], position["azimuth"], position["elevation"], strict=True):
+        end = np.array(projection(*geod.fwd(*own, azimuth + 180, 100 / np.tan(np.radians(elevation)))[:2])) - [x, y]
+        assert np.abs(end + towards[:2] / towards[2] * 100).max() < 0.03
+
+
+def suns_by_time(crs, x, y, **more):
+    day = dict(raster=__file__, start="2026-06-21T10:00+02:00", end="2026-06-21T15:00+02:00", step="1h")
+    return suns.suns_of(settings_of(day | more | dict(crs=crs)), None, (x, y, x, y))
+
+
+#: Numbers of a place, and a CRS to which they do not belong.
+ELSEWHERE = {
+    "east and north for south and west": ("EPSG:2065", -740_000, -1_040_000),
+    "the same of S-JTSK": ("EPSG:5513", -740_000, -1_040_000),
+    "south and west for east and north": ("EPSG:5514", 740_000, 1_040_000),
+    "east and north of Lo19 for west and south": ("EPSG:2048", -30_000, -3_750_000),
+    "northing first": ("EPSG:25832", 5_335_000, 691_000),
+    "northing first in New Zealand": ("EPSG:2193", 5_492_760, 1_557_769),
+    "the zone of the other hemisphere": ("EPSG:32633", 500_000, -5_335_000),
+    "the zone before the number": ("EPSG:25832", 32_691_000, 5_335_000),
+    "the wrong strip": ("EPSG:31467", 4_468_000, 5_335_000),
+    "feet for metres": ("EPSG:26913", 3_000_000, 14_000_000),
+}
+
+
+@pytest.mark.parametrize("name", ELSEWHERE)
+def test_numbers_of_another_crs(name):
+    """A mistake would give the suns of another place, without a word."""
+    with pytest.raises(ValueError, match="^crs: .*(at longitude|has no longitude)") as error:
+        suns_by_time(*ELSEWHERE[name])
+    if plain := re.search("give crs='(.*)'$", str(error.value)):
+        krovak = ELSEWHERE[name][0] != "EPSG:2048"
+        expected = suns_by_time("EPSG:5514" if krovak else "+proj=tmerc +lon_0=19", *ELSEWHERE[name][1:]).towards
+        assert np.abs(suns_by_time(plain[1], *ELSEWHERE[name][1:]).towards - expected).max() < 1e-4
+
+
+def test_places_beside_the_area_of_a_crs():
+    """Neighbours of a zone, and maps of the whole Earth or across the antimeridian, are no mistake."""
+    for crs in ("EPSG:3857", "EPSG:3832", "EPSG:3413"):
+        suns_by_time(crs, 0, 0)
+    suns_by_time("EPSG:25832", -200_000, 5_335_000)
+    suns_by_time("EPSG:32701", 200_000, 8_000_000)
+    suns_by_time("EPSG:2193", 1_557_769, 5_492_760)

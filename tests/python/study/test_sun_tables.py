@@ -326,6 +326,49 @@ def test_weights_of_suns_by_their_heading(tmp_path, heading):
     assert table.weights.tolist() == [2.5] and table.below_horizon == 1
 
 
+#: Other headings of a table of suns, and those of them that the note names.
+UNREAD = {
+    "dni": '"dni"', "DNI [W/m2]": '"dni"', "ghi,dhi": '"ghi", "dhi"', "irradiance": '"irradiance"',
+    "Gb (kW/m2)": '"gb"', "solar_energy_kwh": '"solar_energy_kwh"', "duration": '"duration"', "hours": '"hours"',
+    "sun weight": '"sun weight"', "lit [W/m2]": '"lit"', "note": "", "zenith": "", "id,hour": "", "weight,dni": "",
+    "temp_air": "",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("headings", UNREAD)
+def test_weights_under_other_headings_are_told(tmp_path, headings):
+    """The remedy makes them weights."""
+    named, cells = UNREAD[headings], ",".join("25"[: headings.count(",") + 1])
+    (tmp_path / "suns.csv").write_text(f"azimuth,elevation,{headings}\n180,45,{cells}\n")
+    table = read_suns(str(tmp_path / "suns.csv"))
+    assert table.weights.tolist() == [2.0 if headings.startswith("weight") else 1.0]
+    told = f'{tmp_path}/suns.csv: {named}: not read, and every sun weighs 1: the heading "weight" in place of'
+    assert table.note.startswith(told) if named else not table.note
+    if named:
+        with pytest.warns(UserWarning, match="not read, and every sun weighs 1"):
+            suns(tmp_path / "suns.csv")
+        column = named.split('"')[1]
+        assert table.note.endswith(f'"{column}" makes it the weights')
+        (tmp_path / "suns.csv").write_text(f"azimuth,elevation,weight\n180,45,{cells[0]}\n")
+        assert read_suns(str(tmp_path / "suns.csv")).weights.tolist() == [2]
+    records = np.zeros(1, [("azimuth", "f8"), ("elevation", "f8"), ("DNI", "f8")])
+    records["elevation"] = 9
+    np.save(tmp_path / "suns.npy", records)
+    assert '"dni": not read' in read_suns(str(tmp_path / "suns.npy")).note
+
+
+def test_a_side_needs_all_of_its_columns(tmp_path):
+    for headings in ("x,y,z,nx,ny", "x,y,z,nz", "normal_x,x,y,z"):
+        (tmp_path / "p.csv").write_text(f"{headings}\n" + ",".join("1" * (headings.count(",") + 1)) + "\n")
+        with pytest.raises(ValueError, match="p.csv: has n.*, and lacks n.*: give all of them, or none"):
+            read_points(str(tmp_path / "p.csv"))
+    (tmp_path / "p.csv").write_text("normal_x,normal_y,normal_z,x,y,z\n0,0,1,4,5,6\n")
+    assert read_points(str(tmp_path / "p.csv")).tolist() == [[4, 5, 6, 0, 0, 1]]
+    np.save(tmp_path / "p.npy", np.zeros(2, [(name, "f8") for name in ("x", "y", "z", "nx")]))
+    with pytest.raises(ValueError, match="p.npy: has nx, and lacks ny nz"):
+        read_points(str(tmp_path / "p.npy"))
+
+
 def test_a_polar_night_has_no_hours(tmp_path):
     """21 December in Longyearbyen: 0 hours everywhere, all of it known."""
     raster = write_raster(tmp_path / "r.tif", np.zeros((3, 4)), crs="EPSG:32633", west=513_700, north=8_681_000)

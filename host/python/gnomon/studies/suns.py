@@ -12,6 +12,7 @@ from __future__ import annotations
 import dataclasses
 import datetime
 import math
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +22,7 @@ from numpy.typing import NDArray
 from .. import _gnomon
 from .settings import Settings
 from .tables import read_suns, read_weights
-from .units import horizontal, jacobian
+from .units import horizontal, jacobian, require_in_area
 
 #: Angle across the sun's disk as seen from the Earth, in degrees.
 SUN_ANGLE = 0.533
@@ -177,6 +178,7 @@ class Map:
             projected = pyproj.CRS.from_user_input(crs)
         except pyproj.exceptions.CRSError as error:
             raise ValueError(f"crs: {error}") from None
+        self._crs = projected
         units = {axis.unit_name for axis in projected.axis_info[:2]}
         if not projected.is_projected or units != {"metre"}:
             raise ValueError(f"crs: {projected.name} is not a map in metres: use UTM or a national grid")
@@ -189,9 +191,11 @@ class Map:
             raise ValueError(
                 f"crs: has no longitude and latitude for the zone's centre ({x:.0f}, {y:.0f}): is it the raster's?"
             )
+        require_in_area(self._crs, x, y, longitude, latitude)
         return longitude, latitude
 
     def jacobian(self, x: float, y: float) -> NDArray[np.float64]:
+        self.longitude_and_latitude(x, y)  # refuses what is no place of the CRS
         longitude, latitude = self._projection(x, y, inverse=True)  # on the CRS's own datum
         return jacobian(self._projection, longitude, latitude)
 
@@ -327,6 +331,8 @@ def _suns_of_table(s: Settings, crs: str | None, zones: NDArray[np.int64]) -> Su
         assert s.directions is not None
         table = read_suns(s.directions)
         weights, left_out = table.weights, table.below_horizon
+        if table.note:
+            warnings.warn(table.note, stacklevel=2)
         if not len(weights) and not left_out:
             raise ValueError(f"{s.directions}: has no suns")
         if table.towards is not None:

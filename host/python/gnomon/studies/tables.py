@@ -52,6 +52,7 @@ class _NpyTable:
             self.names = self._headings.names
             self._columns = [self._real(values[name].reshape(-1)) for name in values.dtype.names]
             return
+        self._headings = None
         values = self._real(values)
         if values.ndim not in (1, 2):
             raise ValueError(f"{file}: shape {values.shape} is not (N, columns)")
@@ -100,6 +101,13 @@ class _NpyTable:
         if (row := _gnomon.first_absent_weight(self.numbers(column))) is not None:
             self.refuse(row, f'{column} = "{self.text(row, column)}", which stands for no data: write 0')
 
+    def require_all_or_none(self, columns: list[str]) -> None:
+        if self._headings is not None:
+            self._headings.require_all_or_none(columns)
+
+    def unread_weights(self) -> str:
+        return "" if self._headings is None else str(self._headings.unread_weights())
+
     def refuse(self, row: int, reason: str) -> NoReturn:
         raise ValueError(f"{self.file}, row {row} has {reason}")
 
@@ -125,7 +133,7 @@ class SunTable(NamedTuple):
 
     towards: (M, 3) float32 vectors to the suns, or None. azimuth: (M,) degrees clockwise from true north, or None.
     elevation: (M,) degrees, or None. weights: (M,). below_horizon: the number of rows that were left out.
-    times: M texts of the column time, or nothing.
+    times: M texts of the column time, or nothing. note: a sentence about columns that were not read, or nothing.
     """
 
     towards: NDArray[np.float32] | None
@@ -134,6 +142,7 @@ class SunTable(NamedTuple):
     weights: NDArray[np.float64]
     below_horizon: int
     times: list[str]
+    note: str
 
 
 def read_suns(file: str) -> SunTable:
@@ -161,7 +170,7 @@ def read_suns(file: str) -> SunTable:
         azimuth, elevation = azimuth[is_up], elevation[is_up]
     towards = _directions(table, is_up)[is_up] if has_directions else None
     times = [table.text(row, "time") for row in np.flatnonzero(is_up).tolist()] if _has(table, "time") else []
-    return SunTable(towards, azimuth, elevation, weights[is_up], int((~is_up).sum()), times)
+    return SunTable(towards, azimuth, elevation, weights[is_up], int((~is_up).sum()), times, table.unread_weights())
 
 
 def _directions(table: Any, is_up: NDArray[np.bool_]) -> NDArray[np.float32]:
@@ -207,6 +216,7 @@ def read_points(file: str) -> NDArray[np.float64]:
     table = _table(file, POINT_COLUMNS, are_points=True)
     positions, with_normals = POINT_COLUMNS
     table.require(list(positions), "points need the columns x, y, z, and nx, ny, nz for the side that they face")
+    table.require_all_or_none(["nx", "ny", "nz"])
     names = with_normals if _has(table, *with_normals) else positions
     points = np.stack([table.numbers(name) for name in names], axis=1)
     found = first_no_height(points[:, 2:3], np.ones((len(points), 1), bool))

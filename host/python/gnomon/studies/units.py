@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import functools
+import warnings
 from typing import Any
 
 import numpy as np
@@ -58,6 +59,34 @@ def utm_at(crs: pyproj.CRS, x: float, y: float) -> int:
     return (32600 if latitude >= 0 else 32700) + int((longitude + 180) % 360 // 6) + 1
 
 
+#: Degrees beyond the area for which a CRS is defined, from where on its numbers are taken for those of another CRS.
+BEYOND_AREA = 10.0
+
+
+def require_in_area(crs: pyproj.CRS, x: float, y: float, longitude: float, latitude: float) -> None:
+    """Raises ValueError where a place of a CRS lies far outside of the area for which it is defined: then x and y are
+    numbers of another one, or stand in another order, and suns would be those of another place."""
+    area = crs.area_of_use
+    if area is None:
+        return
+    width = (area.east - area.west) % 360 or 360
+    beyond = max((longitude - area.west + BEYOND_AREA) % 360 - 2 * BEYOND_AREA - width, 0)
+    if not beyond and area.south - BEYOND_AREA <= latitude <= area.north + BEYOND_AREA:
+        return
+    west_or_south = [axis.name for axis in crs.axis_info[:2] if axis.direction in ("west", "south")]
+    remedy = "give the CRS of these numbers, x eastwards first"
+    if west_or_south and len(west_or_south) == len({axis.direction for axis in crs.axis_info[:2]}):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)  # of what a string of PROJ leaves out: names
+            plain = " ".join(word for word in crs.to_proj4().split() if not word.startswith("+axis="))
+        remedy = f"its numbers grow to the south and west; for those that grow to the east and north give crs={plain!r}"
+    of_area = f"longitudes {area.west:.1f} to {area.east:.1f}, latitudes {area.south:.1f} to {area.north:.1f}"
+    raise ValueError(
+        f"crs: {crs.name} has the place ({x:.0f}, {y:.0f}) at longitude {longitude:.1f}, latitude {latitude:.1f}, and "
+        f"is for {of_area}: {remedy}"
+    )
+
+
 def require_metres(name: str, crs: Any, x: float, y: float, option: str = "") -> None:
     """Raises ValueError for a CRS that is no map in metres. x, y: a place of it, and option: one of rio warp, for the
     remedy."""
@@ -104,8 +133,8 @@ def require_crs_of_mesh(
         return 1.0 if metres is None else metres
     wanted = "a map in metres" if target is None else f"the study's, {target.name}"
     middle = triangles.reshape(-1, 3).mean(axis=0) if len(triangles) else np.zeros(3)
-    code = (None if target is None else target.to_epsg()) or utm_at(flat, *middle[:2])
-    how = "" if flat.is_geographic else f" (cjio IN.city.json crs_reproject {code} save OUT.city.json)"
+    code = utm_at(flat, *middle[:2]) if target is None else target.to_epsg()
+    how = "" if flat.is_geographic or code is None else f" (cjio IN.city.json crs_reproject {code} save OUT.city.json)"
     raise ValueError(f"{name}: its reference system, {flat.name}, is not {wanted}: reproject it first{how}")
 
 
