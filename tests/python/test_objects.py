@@ -155,6 +155,11 @@ REFUSED = {
     "a flat meshio mesh": (lambda: meshio([("triangle", FACES)], VERTICES[:, :2]), "in two dimensions.*column_stack"),
     "a polygon": (lambda: types.SimpleNamespace(geom_type="Polygon"), "extrude_polygon"),
     "a table of geometries": (lambda: types.SimpleNamespace(geometry=[]), "extrude_polygon"),
+    "vertices and faces in a tuple": (lambda: (VERTICES, FACES), r"apart, gnomon.Scene\(vertices, faces\)"),
+    "a filter of VTK": (
+        lambda: types.SimpleNamespace(GetOutput=None, Update=None),
+        r"pyvista.wrap\(it.GetOutput\(\)\)",
+    ),
     "a mesh of VTK": (lambda: types.SimpleNamespace(GetPoints=None, GetNumberOfCells=None), "pyvista.wrap"),
 }
 
@@ -203,14 +208,32 @@ def test_lights_go_by_their_names():
         scene.lit([[0, 0, 0]], direction={"a": 0, "b": 0, "c": -1})
 
 
+def test_lights_of_a_table_have_its_weights():
+    pandas = pytest.importorskip("pandas")
+    scene, free = gnomon.Scene(ROOF), [[5, 0, 0]]
+    suns = pandas.DataFrame({"Weight": [2.0, 3], "z": [-1.0, -1], "y": [0, 0.1], "x": [0, 0]})
+    records = suns.to_records(index=False)
+    for rows in (suns, records, suns.to_xarray()):
+        assert scene.lit_by(free, gnomon.Lights.directions(rows)).sums.tolist() == [5]
+    assert scene.lit_by(free, gnomon.Lights.directions(suns, [1, 1])).sums.tolist() == [2]
+    lamps = pandas.DataFrame({"x": [5.0], "y": [0], "z": [9], "weight": [7]})
+    assert scene.lit_by(free, gnomon.Lights.positions(lamps)).sums.tolist() == [7]
+    with pytest.warns(UserWarning, match='^directions: "dni": not read, and every sun weighs 1'):
+        scene.lit_by(free, gnomon.Lights.directions(suns.rename(columns={"Weight": "dni"})))
+
+
 def test_what_is_no_array_is_named():
     scene = gnomon.Scene(ROOF)
     with pytest.raises(ValueError, match="points: is no array: .*inhomogeneous"):
         scene.lit([[1, 2, 3], [1, 2]], direction=DOWN)
     iterator = (row for row in POINTS)
-    for none, text in ((iterator, r"object: give the list\(\)"), ({"x": 1}, "object"), ({(1, 2)}, "object")):
+    for none, text in ((iterator, r"generator: give the list\(\)"), ({"x": 1}, "dict"), ({(1, 2)}, "set")):
         with pytest.raises(ValueError, match=f"points: must be real numbers, not {text}"):
             scene.lit(none, direction=DOWN)
+    place = types.SimpleNamespace(x=1, y=2, z=3)
+    with pytest.raises(ValueError, match="points: must be real numbers, not SimpleNamespace"):
+        scene.lit([place], direction=DOWN)
+    assert scene.lit([[10**25, 0, 0]], direction=(0, 0, -(10**25))).tolist() == [True]
 
 
 def test_the_remedy_for_a_cell_of_a_volume_helps():

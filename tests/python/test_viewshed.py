@@ -344,3 +344,74 @@ def test_a_scene_of_a_raster_is_its_viewshed():
         found[11 - places[:, 1], places[:, 0], np.arange(3)] = True  # under their own eyes
         assert (np.moveaxis(found, -1, 0) == expected).all()
     assert scene.visible_from(feet, height=1.5).counts.shape == (len(faces), 3)
+
+
+SPIKE = np.zeros((9, 9))
+SPIKE[4, 4] = 5
+
+
+def test_observers_of_tables_go_by_their_names():
+    """In any order; by their places x and y would be exchanged."""
+    pandas = pytest.importorskip("pandas")
+    right = gnomon.viewshed(SPIKE, (0, 3), cell=1).counts
+    table = pandas.DataFrame({"id": [7], "Y": [3.0], "X": [0.0]})
+    records = np.array([(3.0, 0.0)], [("y", "f8"), ("x", "f8")])
+    for observers in (table, records, {"y": 3, "x": 0}, pandas.Series({"y": 3, "x": 0})):
+        assert (gnomon.viewshed(SPIKE, observers, cell=1).counts == right).all()
+    for columns in (["lon", "lat"], ["x", "X"], ["x"], ["geometry"]):
+        with pytest.raises(ValueError, match="observers: of the columns .* two must be x, y, each once"):
+            gnomon.viewshed(SPIKE, pandas.DataFrame(np.zeros((1, len(columns))), columns=columns), cell=1)
+    for name in ("z", "Height"):
+        table = pandas.DataFrame({"x": [0.0], "y": [3.0], name: [20.0]})
+        with pytest.raises(ValueError, match=f"the column '{name}' is not read: give observers=it.*, and height=it"):
+            gnomon.viewshed(SPIKE, table, cell=1)
+        found = gnomon.viewshed(SPIKE, table[["x", "y"]], height=table[name], cell=1)
+        assert (found.counts == gnomon.viewshed(SPIKE, (0, 3), height=20, cell=1).counts).all()
+
+
+def test_a_data_array_says_where_it_lies():
+    """Its rows run northwards: by their places the observer would stand in the south."""
+    xarray = pytest.importorskip("xarray")
+    dem = xarray.DataArray(SPIKE, dims=("y", "x"), coords={"y": np.arange(9.0), "x": np.arange(9.0)})
+    with pytest.raises(
+        ValueError, match="heights: has coordinates of its own: give x=dem.x, y=dem.y in place of cell="
+    ):
+        gnomon.viewshed(dem, (0, 3), cell=1)
+    right = gnomon.viewshed(SPIKE[::-1], (0, 3), cell=1).counts[::-1]
+    assert (gnomon.viewshed(dem, (0, 3), x=dem.x, y=dem.y).counts == right).all()
+    with pytest.raises(ValueError, match="heights: attrs..units.. is 'ft', which is not metres"):
+        gnomon.viewshed(dem.assign_attrs(units="ft"), (0, 3), x=dem.x, y=dem.y)
+
+
+#: Arguments that are no numbers, or not in metres; and what is said.
+WRONG = {
+    "height": ("tall", "height: must be a number, or one for each of the 1 observers, not 'tall'"),
+    "distance": ("far", "distance: must be a number, or one for each"),
+    "outside": (float("nan"), "outside: must be a finite number, not nan"),
+    "refraction": ("on", "refraction: must be a finite number, not 'on'"),
+    "radius": (6371, "radius: is in metres, and 6371 is the Earth's in km: give 6371000"),
+    "nodata": ("-9999", "nodata: must be a finite number, not '-9999'"),
+    "lattice": ("fine", "lattice: the step 'fine' is not a power of two"),
+    "device": (0, "device: must be a gnomon.Device or a name, as of gnomon.devices.., not 0"),
+    "x": (np.arange(9).astype("M8[D]"), "x: must be 9 finite numbers"),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_arguments_that_are_no_numbers_are_named(name):
+    value, text = WRONG[name]
+    place = dict(x=value, y=np.arange(9)) if name == "x" else {"cell": 1, name: value}
+    with pytest.raises((ValueError, TypeError), match=f"^{text}"):
+        gnomon.viewshed(SPIKE, (0, 3), **place)
+
+
+def test_what_observers_see_takes_a_height_and_a_distance_for_each():
+    roof = gnomon.Scene([[[-9, -9, 2], [9, -9, 2], [0, 9, 2]]])
+    observers, points = [[0, 0, 1.0], [0, 0, 1.0], [3, 0, 1.0]], [[0.5, 0, 0], [3, 0, 0]]
+    seen = roof.visible_from(observers, points, height=[0, 5, 0], distance=[1, 9, np.inf]).seen()
+    assert seen.tolist() == [[True, False, True], [False, False, True]]
+    for wrong in (dict(height="2"), dict(height=[1, 2]), dict(distance=-5), dict(distance=np.nan), dict(height=np.nan),
+                  dict(target_height=[1, 2, 3]), dict(distance="far")):  # fmt: skip
+        (name,) = wrong
+        with pytest.raises(ValueError, match=f"^{name}: must "):
+            roof.visible_from(observers, points, **wrong)

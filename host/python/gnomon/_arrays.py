@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Iterator
 from typing import Any
@@ -84,11 +85,12 @@ def _declared_absent(array: Any, values: NDArray[Any]) -> NDArray[np.bool_] | No
 def _numbers_of(
     objects: NDArray[Any], absent: NDArray[np.bool_] | None
 ) -> tuple[NDArray[Any], NDArray[np.bool_] | None]:
-    """Python's integers as int64, its numbers as float64; None and pandas.NA as NaN. Other objects stay as they are."""
+    """Python's integers as int64, if it holds them, its numbers as float64; None and pandas.NA as NaN. Others stay."""
     is_absent = np.array([one is None or type(one).__name__ in ("NAType", "NaTType") for one in objects.flat], bool)
     is_absent = is_absent.reshape(objects.shape) | (False if absent is None else absent)
     try:
-        if all(isinstance(one, int | np.integer) for one in objects.flat):
+        is_whole = all(isinstance(one, int | np.integer) and abs(int(one)) < 2**63 for one in objects.flat)
+        if is_whole:
             return objects.astype(np.int64), None
         return np.where(is_absent, np.nan, objects).astype(np.float64), is_absent
     except (TypeError, ValueError):
@@ -237,6 +239,32 @@ def require_heights(
         )
 
 
+#: First words of attrs["units"] that are metres.
+METRES = ("", "m", "m.", "metre", "metres", "meter", "meters", "mtr")
+
+
+def require_attributes_of_heights(dem: Any) -> None:
+    """Of a DataArray. Raises ValueError where its attributes say that it is none of heights in metres."""
+    units = str(dem.attrs.get("units", "")).strip()
+    if (units.lower().split() or [""])[0] not in METRES:
+        raise ValueError(
+            f"heights: attrs['units'] is {units!r}, which is not metres: multiply them by the metres of that unit, and "
+            "say so, as in (dem * 0.3048).assign_attrs(units='m')"
+        )
+    what = str(dem.attrs.get("standard_name", ""))
+    if not is_of_heights(what):
+        raise ValueError(
+            f"heights: attrs['standard_name'] is {what!r}, which is none of heights: if they are, del "
+            "dem.attrs['standard_name']"
+        )
+    packing = [key for key, none in (("scale_factor", 1), ("add_offset", 0)) if dem.attrs.get(key, none) != none]
+    if packing:
+        raise ValueError(
+            f"heights: are packed numbers (attrs['{packing[0]}'] is {dem.attrs[packing[0]]}): decode them first, as in "
+            "xarray.decode_cf(dem.to_dataset(name='z')).z"
+        )
+
+
 def first_row(rows: NDArray[np.bool_]) -> int | None:
     """The first row that is marked; None if no row is."""
     marked = np.flatnonzero(rows)
@@ -250,9 +278,37 @@ def require_real(array: NDArray[Any], name: str) -> None:
             "numpy.lib.recfunctions.structured_to_unstructured(records) makes them"
         )
     if array.dtype.kind not in "iuf":
-        is_iterator = array.ndim == 0 and isinstance(array.item(), Iterator)
-        remedy = ": give the list() of an iterator" if is_iterator else ""
-        raise ValueError(f"{name}: must be real numbers, not {array.dtype}{remedy}")
+        one = array.flat[0] if array.size and array.dtype == object else None
+        kind = array.dtype if one is None else type(one).__name__
+        remedy = ": numpy.asarray() must make an array of it, of numbers" if one is not None and array.ndim == 0 else ""
+        remedy = ": give the list() of an iterator" if isinstance(one, Iterator) else remedy
+        raise ValueError(f"{name}: must be real numbers, not {kind}{remedy}")
+
+
+def number(value: Any, name: str, least: float = -np.inf) -> float:
+    """One finite number. Raises ValueError."""
+    is_number = isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
+    if not is_number or not np.isfinite(value) or value < least:
+        below = "" if least == -np.inf else f", at least {least:g}"
+        raise ValueError(f"{name}: must be a finite number{below}, not {value!r}")
+    return float(value)
+
+
+def per_observer(value: Any, count: int, name: str) -> NDArray[np.float64]:
+    """(count,) of a number, or of one for each. Raises ValueError."""
+    values = on_host(value, name)
+    if values.shape not in ((), (count,)) or values.dtype.kind not in "iuf" or np.isnan(values).any():
+        raise ValueError(f"{name}: must be a number, or one for each of the {count} observers, not {value!r}")
+    return np.broadcast_to(values.astype(np.float64), (count,))
+
+
+def exponent_of_step(step: Any) -> int:
+    """Of a lattice's step, a power of two. Raises ValueError."""
+    is_number = isinstance(step, int | float | np.integer | np.floating) and not isinstance(step, bool)
+    fraction, exponent = math.frexp(step) if is_number and step > 0 and math.isfinite(step) else (0.0, 0)
+    if fraction != 0.5:
+        raise ValueError(f"lattice: the step {step!r} is not a power of two, such as 2**-10")
+    return exponent - 1
 
 
 def require_integers(array: NDArray[Any], name: str) -> None:
@@ -307,6 +363,16 @@ def _labelled(array: Any, name: str) -> Any:
     return array
 
 
+def names_of_columns(table: Any) -> list[str]:
+    """Of a table, an xarray.Dataset or a structured array; none of other objects, and of columns without names."""
+    if hasattr(table, "data_vars"):
+        return [str(key) for key in table.data_vars]
+    names = getattr(getattr(table, "dtype", None), "names", None)
+    names = getattr(table, "columns", None) if names is None else names
+    is_named = names is not None and not callable(names) and all(isinstance(one, str) for one in names)
+    return list(names) if is_named else []
+
+
 def columns_of(array: Any, name: str) -> Any:
     """Of a table, an xarray.Dataset or a structured array the columns x, y and z, of normals nx, ny and nz too,
     wherever they stand; of a DataArray the labels. Other objects stay as they are, and so does a table whose columns
@@ -315,13 +381,8 @@ def columns_of(array: Any, name: str) -> Any:
     for part in ("points", "vertices"):
         if not isinstance(array, np.ndarray) and not hasattr(array, "__array__") and hasattr(array, part):
             raise TypeError(f"{name}: {type(array).__name__} is no array: give its {part}, numpy.asarray(it.{part})")
-    if hasattr(array, "data_vars"):
-        array = {str(key): value for key, value in array.data_vars.items()}
-        names: Any = list(array)
-    else:
-        names = getattr(getattr(array, "dtype", None), "names", None)
-        names = getattr(array, "columns", None) if names is None else names
-    if names is None or callable(names) or not all(isinstance(one, str) for one in names):
+    names = names_of_columns(array)
+    if not names and not hasattr(array, "data_vars"):
         return array
     three = _three_of(names, name)
     if three is None:

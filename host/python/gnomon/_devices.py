@@ -164,7 +164,7 @@ def use(device: str | Device = "", *, memory_limit_bytes: int = 0) -> Device:
     """
     global _default
     _gnomon.require_unforked()
-    opened = device if isinstance(device, Device) else open_device(device, memory_limit_bytes)
+    opened = open_device(device, memory_limit_bytes) if isinstance(device, str) else device_of(device)
     with _lock:
         _default = opened
     return opened
@@ -181,6 +181,8 @@ def device_of(named: str | Device | None) -> Device:
     """A device, by itself or by its name; None: that of the last use()."""
     if named is None:
         return default_device()
+    if not isinstance(named, str | Device):
+        raise TypeError(f"device: must be a gnomon.Device or a name, as of gnomon.devices(), not {named!r}")
     return named if isinstance(named, Device) else open_device(named)
 
 

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import functools
-import math
 import warnings
 from typing import Any
 
@@ -173,11 +172,9 @@ def lattice_of(world: NDArray[np.float64], step: float | None) -> Lattice:
         lattice = Lattice(_gnomon.WorldLattice.fit(flat), world)
         lattice.native = Reaching(lattice.native)  # type: ignore[assignment]
         return lattice
-    fraction, exponent = math.frexp(step) if step > 0 and math.isfinite(step) else (0.0, 0)
-    if fraction != 0.5:
-        raise ValueError(f"lattice: the step {step!r} is not a power of two, such as 2**-10")
+    exponent = _arrays.exponent_of_step(step)
     try:
-        return Lattice(_gnomon.WorldLattice.around(flat, exponent - 1), world)
+        return Lattice(_gnomon.WorldLattice.around(flat, exponent), world)
     except ValueError as error:
         raise ValueError(f"lattice: {error}") from None
 

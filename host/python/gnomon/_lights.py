@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -30,12 +31,12 @@ class Lights:
 
     @staticmethod
     def directions(directions: Any, weights: Any = None) -> Lights:
-        """(M, 3) along which directional lights travel, each rounded once to float32."""
+        """(M, 3) along which lights travel, each rounded once to float32; a table may have their weights, too."""
         return Lights(directions, False, weights)
 
     @staticmethod
     def positions(positions: Any, weights: Any = None) -> Lights:
-        """(M, 3) of point lights, in the scene's unit."""
+        """(M, 3) of point lights, in the scene's unit; a table may have their weights, too."""
         return Lights(positions, True, weights)
 
 
@@ -83,7 +84,19 @@ def table_of(native: _gnomon.WorldLattice | None, lights: Lights) -> _gnomon.Lig
         xyzw[:, 3] = 1
         for row, position in enumerate(rows):
             xyzw[row, :3] = snapped_triple(native, position, f"positions: row {row}")
-    return _gnomon.Lights(xyzw, weights_of(lights.weights, len(rows)))
+    weights = _weights_among(lights.rows, name) if lights.weights is None else lights.weights
+    return _gnomon.Lights(xyzw, weights_of(weights, len(rows)))
+
+
+def _weights_among(rows: Any, name: str) -> Any:
+    """A table's column weight, as in tables of suns; None without it. Warns of weights under other names."""
+    given = [one for one in _arrays.names_of_columns(rows) if one and not one[0].isdigit()]
+    headings = _gnomon.NumberTable(",".join(f'"{one}"' for one in given).encode(), name, [], False)
+    if "weight" in headings.names:
+        return rows[given[headings.names.index("weight")]]
+    if note := headings.unread_weights():
+        warnings.warn(note, stacklevel=4)
+    return None
 
 
 def weights_of(weights: Any, count: int) -> NDArray[np.float32]:

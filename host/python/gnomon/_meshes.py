@@ -130,10 +130,14 @@ def _remedy(given: Any) -> str | None:
         )
     if hasattr(given, "geometry") or hasattr(given, "geom_type"):
         return "make triangles of the geometry first, as with trimesh.creation.extrude_polygon()"
+    if hasattr(given, "GetOutput") and hasattr(given, "Update"):
+        return "gnomon.Scene(pyvista.wrap(it.GetOutput())) takes what it makes, after it.Update()"
     if hasattr(given, "GetPoints") and hasattr(given, "GetNumberOfCells"):
         return "gnomon.Scene(pyvista.wrap(mesh)) takes it"
     if isinstance(given, list | tuple) and given and hasattr(given[0], "faces"):
         return "join the meshes first, with trimesh.util.concatenate(meshes) or pyvista.merge(meshes)"
+    if isinstance(given, list | tuple) and [np.ndim(one) for one in given] == [2, 2] and np.shape(given[0])[1:] == (3,):
+        return "give vertices and faces apart, gnomon.Scene(vertices, faces)"
     if hasattr(given, "points") or hasattr(given, "vertices"):
         return "it has points or lines and no faces: they shadow nothing; give vertices and faces"
     return None

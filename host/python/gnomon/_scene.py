@@ -630,9 +630,9 @@ class Scene:
         observers: ArrayLike,
         points: ArrayLike | None = None,
         *,
-        height: float = 0.0,
+        height: float | ArrayLike = 0.0,
         target_height: float = 0.0,
-        distance: float | None = None,
+        distance: float | ArrayLike | None = None,
         up: ArrayLike = (0, 0, 1),
         side: Side | VertexSide | None = None,
         progress: Callable[[float], object] | None = None,
@@ -643,7 +643,7 @@ class Scene:
         observers: (M, 3) where they stand. points: (..., 3) what is looked at; None: the corners of the scene's
         triangles, (F, 3), as Side.vertices() has them.
         height, target_height: eyes and targets lie this far above observers and points, along `up`.
-        distance: points farther away, measured across `up`, are not seen.
+        distance: points farther away, measured across `up`, are not seen. This and height may be one for each observer.
         side: the surface's side that points belong to, as in lit(); with target_height=0 alone.
         progress: as in lit_by().
 

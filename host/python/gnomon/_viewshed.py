@@ -70,8 +70,9 @@ def _axis_of(values: Any, count: int, name: str, step: float) -> _Axis:
     """step: of cells without coordinates; its sign is that of the axis."""
     if values is None:
         return _Axis(0.0 if step > 0 else -step * (count - 1), step, count, False)
-    places = np.asarray(_arrays.on_host(values, name), np.float64)
-    if places.shape != (count,) or not np.isfinite(places).all():
+    given = _arrays.on_host(values, name)
+    places = np.asarray(given, np.float64)
+    if given.dtype.kind not in "iuf" or places.shape != (count,) or not np.isfinite(places).all():
         raise ValueError(f"{name}: must be {count} finite numbers, the centres of the raster's cells along {name}")
     own = (places[-1] - places[0]) / (count - 1)
     if own == 0 or np.abs(places - (places[0] + own * np.arange(count))).max() > 1e-3 * abs(own):
@@ -83,13 +84,6 @@ def _axis_of(values: Any, count: int, name: str, step: float) -> _Axis:
 def _turned(values: NDArray[Any], rows: _Axis, columns: _Axis) -> NDArray[Any]:
     """The raster north up, or from there back in the caller's order."""
     return values[..., :: -1 if rows.is_turned else 1, :: -1 if columns.is_turned else 1]
-
-
-def _per_observer(value: Any, count: int, name: str) -> NDArray[np.float64]:
-    values = np.asarray(value, np.float64)
-    if values.shape not in ((), (count,)) or np.isnan(values).any():
-        raise ValueError(f"{name}: must be a number, or one for each of the {count} observers")
-    return np.broadcast_to(values, (count,))
 
 
 class _Ground:
@@ -128,8 +122,8 @@ class _Ground:
     def eyes(self, observers: NDArray[np.float64], height: Any, target_height: Any) -> tuple[NDArray[np.int32], float]:
         """(M, 4) columns, rows, heights and targets' heights as the device takes them; and the largest distance, in
         cells, by which an observer moved."""
-        above = _per_observer(height, len(observers), "height")
-        below = _per_observer(target_height, len(observers), "target_height")
+        above = _arrays.per_observer(height, len(observers), "height")
+        below = _arrays.per_observer(target_height, len(observers), "target_height")
         rise, targets = (np.floor(np.ldexp(metres, -self.exponent) + 0.5) for metres in (above, below))
         for name, steps, least in (("height", rise, 1), ("target_height", targets, 0)):
             row = _arrays.first_row(np.asarray(~((steps >= least) & (steps < _LIMIT))))
@@ -182,7 +176,7 @@ class _Ground:
         count, rows = len(observers), band[1] - band[0]
         if distance is None:
             return np.broadcast_to(np.array([0, self.columns.size], np.int32), (count, rows, 2)).copy()
-        reach = _per_observer(distance, count, "distance")[:, None]
+        reach = _arrays.per_observer(distance, count, "distance")[:, None]
         if (reach < 0).any():
             raise ValueError(f"distance: must be at least 0, not {reach.min():g}")
         across = self.rows.places()[None, slice(*band)] - observers[:, 1:2]
@@ -200,12 +194,10 @@ def _exponent_of(lattice: float | None, extent: float) -> int:
         while extent / 2 + 1 > math.ldexp(_LIMIT / 2, exponent):
             exponent += 1
         return exponent
-    fraction, exponent = math.frexp(lattice) if lattice > 0 and math.isfinite(lattice) else (0.0, 0)
-    if fraction != 0.5:
-        raise ValueError(f"lattice: the step {lattice!r} is not a power of two, such as 2**-10")
-    if extent / 2 + 1 > math.ldexp(_LIMIT / 2, exponent - 1):
+    exponent = _arrays.exponent_of_step(lattice)
+    if extent / 2 + 1 > math.ldexp(_LIMIT / 2, exponent):
         raise ValueError(f"lattice: steps of {lattice:g} hold no heights that differ by {extent:g}: take larger ones")
-    return exponent - 1
+    return exponent
 
 
 def _checked(values: NDArray[Any], nodata: float | None) -> NDArray[Any]:
@@ -242,6 +234,8 @@ def rounded_ground(
     are_metres: bool = False,
 ) -> _Ground:
     """The raster of a ViewshedGrid, on the host. Raises ValueError with the argument's name."""
+    if hasattr(heights, "dims") and hasattr(heights, "coords"):
+        _require_plain(heights, cell)
     values = np.asarray(_arrays.on_host(heights, "heights"))
     side = _gnomon.MAX_GRID_SIDE
     if values.ndim != 2 or min(values.shape) < 2 or max(values.shape) > side:
@@ -249,6 +243,11 @@ def rounded_ground(
     _arrays.require_real(values, "heights")
     if (x is None) != (y is None) or (x is None) == (cell is None):
         raise ValueError("give either x= and y=, the centres of the cells, or cell=, their size")
+    radius = _arrays.number(radius, "radius")
+    refraction = None if refraction is None else _arrays.number(refraction, "refraction")
+    nodata = nodata if nodata is None or nodata != nodata else _arrays.number(nodata, "nodata")
+    if 6000 < radius < 7000:
+        raise ValueError(f"radius: is in metres, and {radius:g} is the Earth's in km: give {1000 * radius:.0f}")
     if not radius > 0 or refraction is not None and not refraction < 1:
         raise ValueError(
             "radius, refraction: radius must be above 0 and refraction below 1, or None ('plane') for a plane"
@@ -264,6 +263,17 @@ def rounded_ground(
     if not are_metres:
         _require_no_degrees(ground, heights)
     return ground
+
+
+def _require_plain(dem: Any, cell: Any) -> None:
+    """Of a DataArray: raises ValueError where it is no heights in metres, or has places that are not asked about."""
+    _arrays.require_attributes_of_heights(dem)
+    axes = [name for name in dem.dims if name in dem.coords]
+    if cell is not None and axes:
+        raise ValueError(
+            f"heights: has coordinates of its own: give x=dem.{dem.dims[-1]}, y=dem.{dem.dims[0]} in place of cell=, "
+            "or import gnomon.xarray, and take dem.gnomon.viewshed()"
+        )
 
 
 def _require_no_degrees(ground: _Ground, heights: NDArray[Any]) -> None:
@@ -351,6 +361,7 @@ class ViewshedGrid:
     ) -> Viewshed:
         """viewshed() of this raster."""
         places = _observers_of(observers)
+        outside = None if outside is None else _arrays.number(outside, "outside")
         ground = self._ground
         rows = (0, ground.rows.size)
         found = self.band(rows, places, height, target_height, distance, outside=outside, bits=bits, progress=progress)
@@ -430,8 +441,25 @@ class ViewshedGrid:
         return metres
 
 
+def _x_and_y_of(observers: Any) -> Any:
+    """Of a table, a mapping or a Series the columns x and y, wherever they stand; other objects stay as they are."""
+    is_one = isinstance(observers, dict) or hasattr(observers, "iloc") and not hasattr(observers, "columns")
+    names = list(observers.keys()) if is_one else _arrays.names_of_columns(observers)
+    if not names or not all(isinstance(one, str) for one in names):
+        return observers
+    heights = [one for one in names if one.strip().lower() in ("z", "height")]
+    if heights:
+        remedy = f"give observers=it[['x', 'y']], and height=it[{heights[0]!r}] if those are metres above the ground"
+        raise ValueError(f"observers: the column {heights[0]!r} is not read: {remedy}")
+    two = [one for axis in "xy" for one in names if one.strip().lower() == axis]
+    if [one.strip().lower() for one in two] != ["x", "y"]:
+        given = ", ".join(names)
+        raise ValueError(f"observers: of the columns {given} two must be x, y, each once; or give an array (M, 2)")
+    return np.stack([_arrays.on_host(observers[one], "observers") for one in two], axis=-1)
+
+
 def _observers_of(observers: Any) -> NDArray[np.float64]:
-    places = np.asarray(_arrays.on_host(observers, "observers"))
+    places = np.asarray(_arrays.on_host(_x_and_y_of(observers), "observers"))
     if places.ndim == 1:
         places = places[None]
     if not places.size:

@@ -39,9 +39,9 @@ def visible_from(
     scene: Scene,
     observers: Any,
     points: Any,
-    height: float,
+    height: Any,
     target_height: float,
-    distance: float | None,
+    distance: Any,
     up: Any,
     side: Side | VertexSide | None,
     progress: Callable[[float], object] | None,
@@ -62,7 +62,12 @@ def visible_from(
     _arrays.require_points(positions.reshape(-1, 3))
     if target_height != 0 and side is not None:
         raise ValueError("side: is for points on surfaces, with target_height=0")
-    eyes = places + height * upwards if height else places
+    heights = _arrays.per_observer(height, len(places), "height")
+    target_height = _arrays.number(target_height, "target_height")
+    distances = _arrays.per_observer(np.inf if distance is None else distance, len(places), "distance")
+    if (distances < 0).any():
+        raise ValueError(f"distance: must not be below 0, and is {distance!r}")
+    eyes = places + heights[:, None] * upwards if heights.any() else places
     targets = positions + target_height * upwards if target_height else positions
     if isinstance(side, VertexSide):
         bits = _at_vertices(scene, targets, eyes, side, progress)
@@ -71,8 +76,8 @@ def visible_from(
         found = scene.lit_by(targets, table, side=side, bits=True, progress=progress).bits
         assert found is not None
         bits = found.copy()
-    if distance is not None:
-        _clear_far(bits, positions, places, upwards, float(distance))
+    if np.isfinite(distances).any():
+        _clear_far(bits, positions, places, upwards, distances)
     counts = np.zeros(bits.shape[:-1], np.int64)
     for i in range(len(places)):
         counts += bits[..., i // 32] >> np.uint32(i % 32) & np.uint32(1)
@@ -101,10 +106,10 @@ def _clear_far(
     points: NDArray[Any],
     places: NDArray[Any],
     upwards: NDArray[np.float64],
-    distance: float,
+    distances: NDArray[np.float64],
 ) -> None:
-    """Clears the observers that are farther away than the distance, measured across `upwards`."""
-    for i, place in enumerate(places):
+    """Clears the observers that are farther away than their distances, measured across `upwards`."""
+    for i, (place, distance) in enumerate(zip(places, distances, strict=True)):
         apart = points.astype(np.float64) - place
         across = (apart**2).sum(axis=-1) - (apart @ upwards) ** 2
         bits[..., i // 32] &= ~((across > distance**2).astype(np.uint32) << np.uint32(i % 32))

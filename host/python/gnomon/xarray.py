@@ -33,8 +33,6 @@ _OF_HEIGHTS = ("units", "long_name", "standard_name", "_FillValue", "missing_val
                "scale_factor", "add_offset", "valid_range", "valid_min", "valid_max", "actual_range",
                "STATISTICS_MINIMUM", "STATISTICS_MAXIMUM", "STATISTICS_MEAN", "STATISTICS_STDDEV",
                "STATISTICS_VALID_PERCENT")  # fmt: skip
-#: First words of attrs["units"] that are metres.
-_METRES = ("", "m", "m.", "metre", "metres", "meter", "meters", "mtr")
 #: Names of dimensions whose coordinates are degrees, if no attribute says another unit.
 _DEGREES = ("lon", "longitude", "lat", "latitude")
 _EASTWARDS = ("x", "lon", "longitude", "easting", "east", "projection_x_coordinate")
@@ -138,9 +136,13 @@ class GnomonAccessor:
         (y_dim,) = (name for name in dem.dims if name != x_dim)
         for name in (x_dim, y_dim):
             if name not in dem.coords:
-                raise ValueError(f"heights: the dimension {name!r} has no coordinates")
+                raise ValueError(
+                    f"heights: the dimension {name!r} has no coordinates, the centres of the cells in metres: give "
+                    f"them by dem.assign_coords({name}=...)"
+                )
         dem = dem.transpose(y_dim, x_dim)
-        _require_heights_in_metres(dem)
+        _arrays.require_attributes_of_heights(dem)
+        _arrays.require_real(np.empty(0, dem.dtype), "heights")
         return dem, _places_along(dem, x_dim), _places_along(dem, str(y_dim))
 
     def _results(self, dem: xarray.DataArray, layers: _Layers, count: int) -> list[xarray.DataArray]:
@@ -187,7 +189,7 @@ def _places_along(dem: xarray.DataArray, name: str) -> NDArray[np.float64]:
             f"heights: the coordinates {name!r} are not equally spaced: dem.interp({name}=...) makes a grid of heights"
         )
     units = str(given.attrs.get("units", "")).strip()
-    if (units.lower().split() or [""])[0] not in _METRES and not units.lower().startswith("degree"):
+    if (units.lower().split() or [""])[0] not in _arrays.METRES and not units.lower().startswith("degree"):
         raise ValueError(
             f"heights: the coordinates {name!r} are in {units!r}, not metres: multiply them by the metres of that "
             f"unit, as in dem.assign_coords({name}=(dem.{name} * 0.3048).assign_attrs(units='m'))"
@@ -209,27 +211,6 @@ def _valid_range(dem: xarray.DataArray) -> tuple[float, float]:
     """The lowest and the highest value that is data, as the conventions of netCDF have it."""
     low, high = dem.attrs.get("valid_range", (-np.inf, np.inf))
     return float(dem.attrs.get("valid_min", low)), float(dem.attrs.get("valid_max", high))
-
-
-def _require_heights_in_metres(dem: xarray.DataArray) -> None:
-    units = str(dem.attrs.get("units", "")).strip()
-    if (units.lower().split() or [""])[0] not in _METRES:
-        raise ValueError(
-            f"heights: attrs['units'] is {units!r}, which is not metres: multiply them by the metres of that unit, and "
-            "say so, as in (dem * 0.3048).assign_attrs(units='m')"
-        )
-    what = str(dem.attrs.get("standard_name", ""))
-    if not _arrays.is_of_heights(what):
-        raise ValueError(
-            f"heights: attrs['standard_name'] is {what!r}, which is none of heights: if they are, del "
-            "dem.attrs['standard_name']"
-        )
-    packing = [key for key, none in (("scale_factor", 1), ("add_offset", 0)) if dem.attrs.get(key, none) != none]
-    if packing:
-        raise ValueError(
-            f"heights: are packed numbers (attrs['{packing[0]}'] is {dem.attrs[packing[0]]}): decode them first, as in "
-            "xarray.decode_cf(dem.to_dataset(name='z')).z"
-        )
 
 
 def _require_metres(dem: xarray.DataArray, x: NDArray[np.float64], y: NDArray[np.float64], crs: Any = None) -> None:

@@ -511,6 +511,24 @@ def test_packed_heights_in_feet(tmp_path):
         assert crest.tolist() == [[expected * FOOT]]
 
 
+def test_tiles_in_any_order_lie_where_they_say(tmp_path):
+    """Cells of 5 x 2 m; the first tile lies in the south-east, and where two overlap the one named first counts."""
+    whole = np.arange(12 * 16, dtype=np.float32).reshape(12, 16)
+    parts = {"se": (6, 8, 6, 8), "ne": (0, 8, 7, 8), "nw": (0, 0, 6, 9), "sw": (5, 0, 7, 8)}
+    expected = np.empty_like(whole)
+    for added, (name, (row, column, rows, columns)) in reversed(list(enumerate(parts.items()))):
+        window = (slice(row, row + rows), slice(column, column + columns))
+        grid = rasterio.Affine(5, 0, 500_000 + 5 * column, 0, -2, 4_000_000 - 2 * row)
+        with rasterio.open(tmp_path / f"{name}.tif", "w", driver="GTiff", width=columns, height=rows, count=1,
+                           dtype="float32", crs="EPSG:26913", transform=grid) as file:  # fmt: skip
+            file.write(whole[window] + added / 8, 1)
+        expected[window] = whole[window] + added / 8
+    mosaic = rasters.open_mosaic(tuple(str(tmp_path / f"{name}.tif") for name in parts))
+    assert (mosaic.rows, mosaic.columns, mosaic.dx, mosaic.dy) == (12, 16, 5, 2)
+    assert (mosaic.heights(0, 12, 0, 16) == expected).all()
+    assert mosaic.x(15, 16) == 500_077.5 and mosaic.y(11, 12) == 3_999_977
+
+
 def test_each_tile_has_its_own_unit(tmp_path):
     """The second one is in feet, and lies west of the first."""
     more = dict(transform=rasterio.Affine(5, 0, 500_205, 0, -5, 4_000_000), columns=(41, 81), height=0)
@@ -604,6 +622,7 @@ REFUSED = {
     "depths": (dict(crs="EPSG:26913+5715"), "points down, and a study needs heights"),
     "no place": (dict(crs=None, transform=None), "has no place on a map .no geotransform.*rio edit-info"),
     "south up": (dict(transform=rasterio.Affine(5, 0, 500_000, 0, 5, 4_000_000)), "not north up .*rio warp"),
+    "mirrored": (dict(transform=rasterio.Affine(-5, 0, 500_405, 0, -5, 4_000_000)), "not north up .*rio warp"),
     "rotated": (dict(transform=AFFINE * rasterio.Affine.rotation(10)), "is rotated .*rio warp"),
     "colours": (dict(count=3, dtype="uint8", photometric="RGB"), "is no band of heights .red, uint8; 3 in all"),
 }  # fmt: skip
@@ -663,6 +682,27 @@ def test_degrees_that_no_crs_declares(tmp_path):
         shadow(tmp_path, str(file))
     main_group(metres, standalone_mode=False)
     shadow(tmp_path, str(file))
+
+
+def test_a_raster_that_gets_another_crs_has_it(tmp_path):
+    """A process keeps what it read of a file while the file stays as it is."""
+    day = dict(start="2026-06-21T17:00", end="2026-06-21T19:00", step="1h")
+    found = []
+    for crs in ("EPSG:26913", "EPSG:26912"):
+        settings = settings_of(day | dict(raster=ridge(tmp_path, crs=crs)))
+        found.append(suns.suns_of(settings, rasters.crs_of(settings), (500_000, 4e6, 500_001, 4e6)).towards)
+    assert np.abs(found[0] - found[1]).max() > 0.02  # 6 degrees of longitude
+
+
+def test_a_mast_in_a_site_of_metres_makes_it_no_degrees(tmp_path):
+    """One cell of 500 m, higher than the site is wide."""
+    site = rasterio.Affine(1, 0, 10, 0, -1, 50)
+    rasters.open_mosaic((ridge(tmp_path, crs=None, transform=site, height=0.5, columns=(0, 21)),))
+    with rasterio.open(tmp_path / "dsm.tif", "r+") as file:
+        heights = file.read(1)
+        heights[3, 3] = 500
+        file.write(heights, 1)
+    rasters.open_mosaic((str(tmp_path / "dsm.tif"),))
 
 
 def test_rasters_inside_of_a_file(tmp_path):

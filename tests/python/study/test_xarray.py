@@ -220,6 +220,37 @@ def test_coordinates_that_are_no_grid_in_metres(of):
         asked(dem.assign_coords(x=np.arange(dem.sizes["x"]).astype("M8[D]")))
 
 
+def test_meshes_stand_where_the_coordinates_say(tmp_path):
+    """A plate of 20 m over the middle of one cell of 25 m, around noon."""
+    x, y = EAST[7], NORTH[11]
+    corners = [(x + i * 10, y + j * 10, 103) for i, j in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+    rows = "".join(f"v {a} {b} {c}\n" for a, b, c in corners)
+    (tmp_path / "plate.obj").write_text(rows + "f 1 2 3 4\n")
+    noon = dict(start="2026-06-20T12:00", end="2026-06-20T13:00", step="1h", utc_offset=1, min_elevation=45)
+    hours = dem_of(np.full((40, 40), 100.0)).gnomon.sun_hours(**noon, meshes=str(tmp_path / "plate.obj"))
+    assert np.argwhere(hours.values == 0).tolist() == [[11, 7]]
+
+
+def test_a_grid_mapping_of_any_name(tmp_path):
+    dem = dem_of(np.full((40, 40), 100.0)).rename(spatial_ref="utm_zone").assign_attrs(grid_mapping="utm_zone")
+    hours = dem.gnomon.sun_hours(**DAY)
+    assert (hours.values > 10).all()
+    in_encoding = dem.drop_attrs()
+    in_encoding["utm_zone"].attrs.update(dem["utm_zone"].attrs)
+    in_encoding.encoding["grid_mapping"] = "utm_zone"
+    assert in_encoding.gnomon.sun_hours(**DAY).equals(hours)
+
+
+def test_numbers_that_are_no_heights():
+    dem = dem_of(np.zeros((40, 40)))
+    for of_another_type in (dem > 1, dem.astype(object), dem.astype("M8[s]")):
+        for ask in (lambda d: d.gnomon.viewshed(PLACE), lambda d: d.gnomon.sun_hours(**DAY)):
+            with pytest.raises(ValueError, match="heights: must be real numbers, not (bool|object|datetime64)"):
+                ask(of_another_type)
+    with pytest.raises(ValueError, match=r"'x' has no coordinates, the centres of .* dem.assign_coords\(x=...\)"):
+        dem.drop_vars("x").gnomon.viewshed(PLACE)
+
+
 def test_wide_cells_in_degrees_are_refused():
     """A quarter of a degree, by how steep the ground would be; x and y do not say what they are."""
     dem = xarray.DataArray(

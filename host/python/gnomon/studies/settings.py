@@ -305,11 +305,14 @@ def _number(key: str, value: Any) -> float:
         _need(match is not None, f"step: {value!r} is not a number of minutes, nor like '10min', '1h', '30s'")
         assert match is not None
         return float(match[1]) * {"s": 1 / 60, "min": 1, None: 1, "h": 60}[match[2]]
+    if key == "step" and hasattr(value, "total_seconds"):
+        return float(value.total_seconds()) / 60
     try:
         number = float(value)
     except (TypeError, ValueError):
         number = math.nan
-    _need(math.isfinite(number), f"{key}: {value!r} is not a finite number")
+    hours = ": give hours, such as 1 or 5.5" if key == "utc_offset" else ""
+    _need(math.isfinite(number), f"{key}: {value!r} is not a finite number{hours}")
     return number
 
 
