@@ -70,7 +70,8 @@ OPERATIONS = {
         HILLS + "grid = gnomon.ViewshedGrid(hills, cell=1)",
         "grid.viewshed([(9, 9), (20 + i % 9, 30)]); grid.least_heights((9 + i % 9, 9))"),
     "what observers see": (
-        "", "scene.visible_from([[0.1, -1, 0.1 * (i % 9)], [0, 5, 0]], many, distance=9 + i % 9, up=(0, 1, 0))"),
+        "crowd = np.tile(many, (20, 1))",
+        "scene.visible_from([[0.1, -1, 0.1 * (i % 9)], [0, 5, 0]], crowd, distance=9 + i % 9, up=(0, 1, 0))"),
     "lit shares": (
         "import gnomon.surfaces; suns = np.array([[0.1 * i, 0.2, -1] for i in range(9)])\n"
         "plates = np.random.default_rng(0).random((60, 3, 3))",

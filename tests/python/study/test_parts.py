@@ -3,6 +3,7 @@
 
 import datetime
 import math
+import warnings
 from pathlib import Path
 
 import gnomon
@@ -10,6 +11,7 @@ import numpy as np
 import oracle
 import pyproj
 import pytest
+from gnomon import studies
 from gnomon.studies import planes
 from gnomon.studies.decide import steps_of
 from gnomon.studies.facing import GridFacing
@@ -18,7 +20,7 @@ from gnomon.studies.settings import Settings, read_toml, settings_of
 from gnomon.studies.suns import Suns, samples_of_disks, suns_of, zone_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from made import UTM, write_raster, write_suns
+from made import UTM, run, write_raster, write_suns
 
 UP = (0, 0, 1)
 
@@ -324,3 +326,57 @@ def test_rasters_that_do_not_fit(tmp_path, make, text):
     with pytest.raises(ValueError, match=text):
         gnomon.study(tmp_path / "s", raster=make(tmp_path), start="2026-03-20", end="2026-03-21")
     assert not (tmp_path / "s" / "study.json").exists()
+
+
+def test_arguments_that_have_no_effect_are_named(tmp_path):
+    """min_elevation=60 over a table of suns is meant for something, and does nothing."""
+    (tmp_path / "s.csv").write_text("x,y,z\n0,0,-1\n")
+    table = dict(raster=__file__, directions=str(tmp_path / "s.csv"))
+    for more in (dict(min_elevation=60), dict(step="30min"), dict(utc_offset=1), dict(elevation="apparent"),
+                 dict(pressure=9e4), dict(temperature=0)):  # fmt: skip
+        (name,) = more
+        with pytest.raises(ValueError, match=f"^{name}: is of suns by time, .* no effect on others: leave it out"):
+            settings_of(table | more)
+    with pytest.raises(ValueError, match="^spacing: is of points on faces"):
+        settings_of(table | dict(spacing=2))
+    assert settings_of(table | dict(min_elevation=3, spacing=1)).spacing == 1, "the defaults"
+    for text, kind in ((dict(step="1.5h"), 90), (dict(step=datetime.timedelta(hours=2)), 120)):
+        day = dict(raster=__file__, start="2026-06-21", end="2026-06-22")
+        assert settings_of(day | text).step == kind
+    with pytest.raises(ValueError, match="utc_offset: '.01:00' is not a finite number: give hours, such as 1 or 5.5"):
+        settings_of(day | dict(utc_offset="+01:00"))
+
+
+def test_folders_and_workers_that_are_none_are_named(tmp_path):
+    (tmp_path / "s.csv").write_text("x,y,z\n0,0,-1\n")
+    raster = write_raster(tmp_path / "dsm.tif", np.zeros((4, 4)))
+    given = dict(raster=raster, directions=str(tmp_path / "s.csv"))
+    with pytest.raises(ValueError, match="folder: .*dsm.tif is a file: name a folder"):
+        studies.study(raster, **given)
+    with pytest.raises(ValueError, match="folder: must be the name of a folder for the study, not None"):
+        studies.study(None, **given)
+    for workers in (-1, 2.0, True, [1], {"a": 1}):
+        with pytest.raises(ValueError, match="workers: .* is no number of processes, nor"):
+            studies.study(tmp_path / "study", **given, workers=workers)
+    for tiles in (3, (0, 4), "0:4"):
+        with pytest.raises(ValueError, match=r"tiles: .* is no slice: slice\(16, 32\) are"):
+            studies.study(tmp_path / "study", **given, tiles=tiles)
+    assert not (tmp_path / "study").exists()
+
+
+@pytest.mark.parametrize("unit, high, metres", [("millimetre", 60_000, 60), ("centimetre", 13_000, 130)])
+def test_heights_that_no_ground_has_ask_for_their_unit(tmp_path, unit, high, metres):
+    """Undeclared millimetres: as metres they cast the shadow of a tower of 60 km, which the lattice must hold."""
+    heights = np.zeros((5, 9))
+    heights[2, 2] = high
+    raster = write_raster(tmp_path / "dsm.tif", heights)
+    (tmp_path / "s.csv").write_text("x,y,z\n1,0,-1\n")
+    asked = dict(raster=raster, directions=str(tmp_path / "s.csv"), outputs=["bits"])
+    with pytest.warns(UserWarning, match="heights: reach .*000 m: if they are no metres, height_unit= says their unit"):
+        study = run(tmp_path / "a", **asked)
+    assert (study.dataset().lit.values[0, 2] & 1).tolist() == [1] * 3 + [0] * 6
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        study = run(tmp_path / "b", **asked, height_unit=unit)
+    dark = metres // 25
+    assert (study.dataset().lit.values[0, 2] & 1).tolist() == [1] * 3 + [0] * dark + [1] * (6 - dark)

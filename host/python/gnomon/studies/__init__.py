@@ -114,6 +114,8 @@ def study(folder: str | os.PathLike[str], **arguments: Any) -> Study:
     Raises ValueError with the setting's name, StudyStoppedError where the study cannot go on (a full disk, say): the
     same call then goes on from there.
     """
+    if not isinstance(folder, str | os.PathLike):
+        raise ValueError(f"folder: must be the name of a folder for the study, not {folder!r}")
     fields = {field.name for field in dataclasses.fields(Execution)}
     execution = Execution(**{name: value for name, value in arguments.items() if name in fields})
     settings = settings_of({name: value for name, value in arguments.items() if name not in fields})
@@ -122,6 +124,8 @@ def study(folder: str | os.PathLike[str], **arguments: Any) -> Study:
 
 def run(folder: Path, settings: Settings, execution: Execution) -> Study:
     """study() with settings that are checked already."""
+    if folder.exists() and not folder.is_dir():
+        raise ValueError(f"folder: {folder} is a file: name a folder for the study, which need not exist")
     with executor_of(execution) as executor:
         return Study(run_study(folder.absolute(), settings, execution, executor))
 

@@ -26,6 +26,8 @@ from .tiled import TiledPlan
 
 #: The finest step that a study chooses by itself is 2^-10 m.
 FINEST_EXPONENT = -10
+#: In metres: beyond the deepest sea and the highest mountain with a tower, a note asks for the unit.
+LOWEST_GROUND, HIGHEST_GROUND = -12_000.0, 12_000.0
 #: A coarser step, of 1.6 cm, is warned of.
 COARSE_EXPONENT = -6
 #: Surveys caster tiles: the study's folder and the tiles -> each tile and what Casters.surveyed() finds of it.
@@ -167,6 +169,8 @@ def _make_plan(folder: Path, settings: Settings, run_survey: SurveyRun) -> Plan:
     write_whole(folder / "survey.json", json.dumps({"settings": json.loads(settings.as_json())}))
     survey = _run_survey(folder, casters, run_survey, None, list(range(len(casters))))
     survey.save(folder / "survey.npz")
+    if note := _note_of_heights(survey):
+        warnings.warn(note, stacklevel=2)
     for note in far_from_all(casters, survey, receivers.box, folder / "points.npy"):
         warnings.warn(note, stacklevel=2)
     exponent = _exponent(settings, casters, survey)
@@ -219,6 +223,24 @@ def _reach(settings: Settings, survey: Survey) -> float:
     return reach if settings.halo_limit is None else min(reach, settings.halo_limit)
 
 
+def _rise(survey: Survey) -> float:
+    """From the lowest height to the highest."""
+    tops, bottoms = survey.tops[np.isfinite(survey.tops)], survey.bottoms[np.isfinite(survey.bottoms)]
+    return float(tops.max() - bottoms.min()) if len(tops) and len(bottoms) else 0.0
+
+
+def _note_of_heights(survey: Survey) -> str | None:
+    """A sentence about heights that no ground on Earth has in metres."""
+    tops, bottoms = survey.tops[np.isfinite(survey.tops)], survey.bottoms[np.isfinite(survey.bottoms)]
+    extremes = [n for n in (tops.max(initial=0), bottoms.min(initial=0)) if not LOWEST_GROUND < n < HIGHEST_GROUND]
+    if not extremes:
+        return None
+    return (
+        f"heights: reach {extremes[0]:.6g} m: if they are no metres, height_unit= says their unit, as "
+        'height_unit="millimetre"'
+    )
+
+
 def _exponent(settings: Settings, casters: Casters, survey: Survey) -> int:
     """The exponent of the lattice's step: the finest from 2^-10 on for which a receiver tile and the casters that can
     shadow it fit on a lattice. It does not depend on the size of a tile."""
@@ -226,7 +248,8 @@ def _exponent(settings: Settings, casters: Casters, survey: Survey) -> int:
     if settings.lattice is not None:
         return math.frexp(settings.lattice)[1] - 1
     exponent = FINEST_EXPONENT
-    while 2 * largest_tile(settings, cell) + _reach(settings, survey) > LARGEST_SPAN * 2.0**exponent:
+    span = max(2 * largest_tile(settings, cell) + _reach(settings, survey), _rise(survey))
+    while span > LARGEST_SPAN * 2.0**exponent:
         exponent += 1
     if cell and cell < 8 * 2.0**exponent:
         raise ValueError(

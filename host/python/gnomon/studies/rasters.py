@@ -100,7 +100,7 @@ def _read(name: str, row: int, column: int, rows: int, columns: int) -> NDArray[
             heights = heights * data.scales[0] + data.offsets[0]
     except (rasterio.errors.RasterioError, OSError, ValueError) as error:
         _opened.cache_clear()  # the next read opens the file again
-        raise UnreadableError(f"{name}: cannot be read: {error}") from error
+        raise UnreadableError(f"{name}: cannot be read: {error.__cause__ or error}") from error
     heights[~np.isfinite(heights)] = np.nan
     _require_declared(masked, name, row, column, data.nodata is not None)
     return heights

@@ -66,6 +66,15 @@ class Execution:
     check: bool = True
     progress: bool = False
 
+    def __post_init__(self) -> None:
+        workers = self.workers
+        are_names = isinstance(workers, str | list | tuple) and all(isinstance(name, str) for name in workers)
+        is_number = isinstance(workers, int) and not isinstance(workers, bool) and workers >= 0
+        if not (workers is None or are_names or is_number):
+            raise ValueError(f'workers: {workers!r} is no number of processes, nor "gpus", names or an address')
+        if not isinstance(self.tiles, slice | None):
+            raise ValueError(f"tiles: {self.tiles!r} is no slice: slice(16, 32) are the receiver tiles from 16 to 31")
+
 
 class LocalExecutor:
     """Runs calls in this process, THREADS at a time. They end in any order."""

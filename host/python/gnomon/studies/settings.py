@@ -189,6 +189,20 @@ def _check_suns(s: Settings) -> None:
     _need("hours" not in s.outputs or s.start is not None, 'outputs: "hours" needs start= and end=')
 
 
+#: Settings of suns by time.
+OF_TIMES = ("step", "utc_offset", "elevation", "pressure", "temperature", "min_elevation")
+
+
+def _check_effect(s: Settings) -> None:
+    """What has no effect was meant for something."""
+    defaults = {field.name: field.default for field in dataclasses.fields(Settings)}
+    for name in OF_TIMES if s.start is None else ():
+        is_given = getattr(s, name) != defaults[name]
+        _need(not is_given, f"{name}: is of suns by time, start= to end=, and has no effect on others: leave it out")
+    has_faces = s.receivers == "faces" or s.spacing == defaults["spacing"]
+    _need(has_faces, 'spacing: is of points on faces, and has no effect without receivers="faces": leave it out')
+
+
 def _check_work(s: Settings) -> None:
     unknown = sorted({*s.outputs} - {*OUTPUTS})
     _need(bool(s.outputs) and not unknown, f"outputs: {unknown or 'nothing'}: must be any of {', '.join(OUTPUTS)}")
@@ -296,7 +310,9 @@ def settings_of(values: dict[str, Any], folder: Path | None = None) -> Settings:
     if "curvature" in fields:
         _need(fields["curvature"] in (True, False), f"curvature: {fields['curvature']!r} is neither true nor false")
         fields["curvature"] = bool(fields["curvature"])
-    return Settings(**fields)
+    settings = Settings(**fields)
+    _check_effect(settings)  # of those of an older study nothing is asked
+    return settings
 
 
 def _number(key: str, value: Any) -> float:

@@ -45,7 +45,9 @@ class _NpyTable:
         try:
             values = np.load(file, allow_pickle=False)
         except (ValueError, OSError, EOFError) as error:
-            raise ValueError(f"{file}: {error}") from None
+            is_objects = "allow_pickle" in str(error)
+            what = "holds objects, not numbers: numpy.save(name, array.astype(float)) writes numbers"
+            raise ValueError(f"{file}: {what if is_objects else error}") from None
         if values.dtype.names:
             headings = ",".join('"{}"'.format(name.replace('"', '""')) for name in values.dtype.names)
             self._headings = _gnomon.NumberTable(headings.encode(), file, [], are_points)
