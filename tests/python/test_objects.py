@@ -222,6 +222,17 @@ def test_lights_of_a_table_have_its_weights():
         scene.lit_by(free, gnomon.Lights.directions(suns.rename(columns={"Weight": "dni"})))
 
 
+def test_techniques_and_settings_that_are_none_are_named():
+    scene = gnomon.Scene(ROOF)
+    lights = gnomon.Lights.directions([DOWN])
+    with pytest.raises(TypeError, match=r"technique: must be a name of gnomon.techniques\(\) or .*, not 5"):
+        scene.visibility(POINTS, direction=DOWN, technique=5)
+    for ask in (lambda s: scene.lit_by(POINTS, lights, settings=s),
+                lambda s: scene.visibility(POINTS, direction=DOWN, technique=gnomon.Technique("pcf", s))):  # fmt: skip
+        with pytest.raises(TypeError, match="settings: must be a mapping of names to values, not .'map-size'.$"):
+            ask(["map-size"])
+
+
 def test_what_is_no_array_is_named():
     scene = gnomon.Scene(ROOF)
     with pytest.raises(ValueError, match="points: is no array: .*inhomogeneous"):

@@ -337,3 +337,62 @@ def test_what_is_not_flat_is_named():
 def test_what_is_wrong_is_named(call, says):
     with pytest.raises(ValueError, match=says):
         call()
+
+
+PLATES = np.array([[[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 0, 1], [1, 0, 1], [0, 1, 1]]], float)
+RING = [[0, 0, 0], [1, 0, 0], [1, 1, 0]]
+LAST_IS = "must be a list of rings, each of numbers"
+#: What lit_fractions() and polygons() refuse, and what is said.
+WRONG = {
+    "columns of other names": (dict(directions=("lon", "lat", "z")), "directions: of the columns"),
+    "a direction of no data": (
+        dict(directions=[[0, 0, -1], [0, -9999, -1]]),
+        "directions: row 1 .* stands for no data",
+    ),
+    "a masked direction": (dict(directions=np.ma.masked_equal([[0, 5, -1]], 5)), "directions: row 0"),
+    "words": (dict(directions=[["0", "0", "-1"]]), "directions: must be real numbers"),
+    "masked faces": (dict(faces=np.ma.masked_equal([0, 1], 1)), "faces: row 1 is masked"),
+    "faces below -1": (dict(faces=[-5, 0]), "faces: row 0 is -5: they count from 0 on"),
+    "faces beyond all": (dict(faces=[0, 2**40]), "faces: face 1 has no triangle, and one is called 1099511627776"),
+    "within": (dict(within="1%"), "within: must be a finite number, not '1%'"),
+    "limit": (dict(limit=None), "limit: must be a finite number, at least 0, not None"),
+    "threads": (dict(threads="2"), "threads: must be a finite number"),
+    "a ring that is no list of rings": (dict(rings=[RING]), f"polygons: row 0 {LAST_IS}"),
+    "two coordinates": (dict(rings=[[[[0, 0], [1, 0], [1, 1]]]]), f"polygons: row 0 {LAST_IS}"),
+    "a polygon of shapely": (dict(rings=[object()]), f"polygons: row 0 {LAST_IS}"),
+    "a corner of no data": (dict(rings=[[[[0, 0, 0], [1, 0, -9999], [1, 1, 0]]]]), "polygons: row 0: row 1 .* no data"),
+    "a masked corner": (
+        dict(rings=[[np.ma.masked_equal([[0, 0, 0], [1, 0, 7], [1, 1, 0]], 7)]]),
+        "row 0 has a ring .* fin",
+    ),
+    "masked occluders": (dict(rings=[[RING]], occluders=np.ma.masked_equal(PLATES, 1)), "occluders: vertices: row 1"),
+    "occluders of no data": (
+        dict(rings=[[RING]], occluders=np.where(PLATES == 1, -9999, PLATES)),
+        "occluders: .*no data",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_what_is_no_surface_or_sun_is_named(name):
+    arguments, text = WRONG[name]
+    if name == "columns of other names":
+        pandas = pytest.importorskip("pandas")
+        arguments = dict(directions=pandas.DataFrame([[0, 0, -1]], columns=["lon", "lat", "z"]))
+    with pytest.raises((ValueError, TypeError), match=text):
+        if "rings" in arguments:
+            surfaces.polygons(**arguments)
+        else:
+            surfaces.lit_fractions(**(dict(triangles=PLATES, directions=[[0, 0, -1]]) | arguments))
+
+
+def test_suns_of_a_table_and_meshes_of_other_packages():
+    """z stands first; by their places the light would travel along x."""
+    pandas, trimesh = pytest.importorskip("pandas"), pytest.importorskip("trimesh")
+    suns = pandas.DataFrame([[-1.0, 0, 0]], columns=["z", "y", "x"])
+    assert surfaces.lit_fractions(PLATES, suns).low.tolist() == [[0], [1]]
+    corners = PLATES.reshape(-1, 3)
+    mesh = trimesh.Trimesh(corners, np.arange(6).reshape(2, 3), process=False)
+    assert surfaces.lit_fractions(mesh, suns).low.tolist() == [[0], [1]]
+    roofed = surfaces.polygons([[RING]], occluders=trimesh.creation.box((9, 9, 1)).apply_translation([0, 0, 5]))
+    assert surfaces.lit_fractions(roofed, suns).low.tolist() == [[0]]

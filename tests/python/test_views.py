@@ -69,3 +69,14 @@ def test_a_gltf_file_has_cameras_and_lights():
     view = scene.view(camera=next(iter(scene.cameras)), size=(64, 36))
     visibility = view.visibility(**next(iter(scene.lights.values())))
     assert 0 < visibility.mean() < 1
+
+
+@pytest.mark.parametrize("size", ["64x48", 64, (64,), (64, 48, 1), (64.5, 48), None, ("64", "48")])
+def test_a_size_that_is_none_is_named(size):
+    """The characters of "64x48" were a picture of 6 x 4 pixels."""
+    scene = gnomon.Scene([[[0, 0, 0], [1, 0, 0], [0, 1, 0]]])
+    with pytest.raises(ValueError, match="size: must be width and height in pixels, as .640, 360., not"):
+        scene.view((0, 0, 9), (0, 0, 0), size=size)
+    assert repr(scene.view((0, 0, 9), (0, 0, 0), size=np.array([64.0, 48]))) == "<gnomon.View of 64 x 48 pixels>"
+    with pytest.raises(ValueError, match="fov: must be a finite number, not None"):
+        scene.view((0, 0, 9), (0, 0, 0), fov=None)

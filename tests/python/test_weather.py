@@ -215,8 +215,7 @@ def test_the_table_of_suns_weighs_direct_irradiation(tmp_path):
     with rasterio.open(tmp_path / "flat.tif", "w", driver="GTiff", width=9, height=9, count=1, dtype="float32",
                        transform=rasterio.Affine(1, 0, 0, 0, -1, 9)) as file:  # fmt: skip
         file.write(np.zeros((9, 9), np.float32), 1)
-    flat = gnomon.study(tmp_path / "flat", raster=str(tmp_path / "flat.tif"), directions=str(tmp_path / "suns.csv"),
-                        min_elevation=0.01)  # fmt: skip
+    flat = gnomon.study(tmp_path / "flat", raster=str(tmp_path / "flat.tif"), directions=str(tmp_path / "suns.csv"))
     assert np.allclose(flat.dataset().sum_of_weights.to_numpy()[4, 4], made.dni[elevation > 0].sum(), rtol=1e-6)
 
 
@@ -373,3 +372,12 @@ def test_what_is_no_weather_file_is_named(tmp_path):
         made.on_plane((0, 0, 0))
     with pytest.raises(ValueError, match="albedo: must be from 0 to 1, not 20"):
         weather.irradiation(scene, [[0, 0, 0]], [[0, 0, 1]], made, albedo=20)
+
+
+def test_files_that_hold_nothing_are_named(tmp_path):
+    for data in (b"", b"\0" * 100, b"\r\n \n"):
+        (tmp_path / "a.epw").write_bytes(data)
+        with pytest.raises(ValueError, match="a.epw: the file is empty: download it again"):
+            weather.read(tmp_path / "a.epw")
+    with pytest.raises(ValueError, match=f"{tmp_path.name}: is a folder: name the weather file in it"):
+        weather.read(tmp_path)

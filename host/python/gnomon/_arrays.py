@@ -367,7 +367,7 @@ def names_of_columns(table: Any) -> list[str]:
     """Of a table, an xarray.Dataset or a structured array; none of other objects, and of columns without names."""
     if hasattr(table, "data_vars"):
         return [str(key) for key in table.data_vars]
-    names = getattr(getattr(table, "dtype", None), "names", None)
+    names: Any = getattr(getattr(table, "dtype", None), "names", None)
     names = getattr(table, "columns", None) if names is None else names
     is_named = names is not None and not callable(names) and all(isinstance(one, str) for one in names)
     return list(names) if is_named else []

@@ -172,8 +172,20 @@ class _Vertices(NamedTuple):
     fans: list[_gnomon.VertexFans]  # each for POINTS_AT_ONCE points
 
 
+def _size_of(size: Any) -> tuple[int, int]:
+    numbers = _arrays.on_host(size, "size")
+    if numbers.shape != (2,) or numbers.dtype.kind not in "iuf" or (numbers % 1 != 0).any():
+        raise ValueError(f"size: must be width and height in pixels, as (640, 360), not {size!r}")
+    return int(numbers[0]), int(numbers[1])
+
+
 def _technique_of(technique: str | Technique) -> Technique:
-    return Technique(technique) if isinstance(technique, str) else technique
+    if not isinstance(technique, str | Technique):
+        raise TypeError(f"technique: must be a name of gnomon.techniques() or a gnomon.Technique, not {technique!r}")
+    chosen = Technique(technique) if isinstance(technique, str) else technique
+    if not isinstance(chosen.settings, Mapping):
+        raise TypeError(f"settings: must be a mapping of names to values, not {chosen.settings!r}")
+    return chosen
 
 
 def _setting_text(value: object) -> str:
@@ -614,7 +626,7 @@ class Scene:
         upload = self._on(self._device)
 
         def run_part(first: int, report: Callable[[float], bool]) -> tuple[Any, ...]:
-            technique = upload.technique(Technique(EXACT, settings or {}))
+            technique = upload.technique(_technique_of(Technique(EXACT, {} if settings is None else settings)))
             part, part_ids, part_facing = query.part(first)
             points = _gnomon.Points.upload(upload.device.native, part, part_ids)
             return _gnomon.run_light_table(
@@ -844,7 +856,7 @@ class Scene:
         """
         if (camera is None) == (eye is None and target is None):
             raise ValueError("give either eye= and target=, or camera=, a name of `cameras`")
-        width, height = int(size[0]), int(size[1])
+        width, height = _size_of(size)
         upwards = _arrays.triple(up, "up")
         if camera is not None and camera not in self.cameras:
             raise ValueError(f"camera: there is no {camera!r}; there are {', '.join(self.cameras) or 'none'}")
@@ -858,7 +870,7 @@ class Scene:
         if camera is not None:
             chosen = self.cameras[camera].at(local_eye)
         else:
-            chosen = _gnomon.Camera.look_at(local_eye, local_target, upwards, float(fov))
+            chosen = _gnomon.Camera.look_at(local_eye, local_target, upwards, _arrays.number(fov, "fov"))
         view = upload.device.call(_gnomon.look, upload.device.native, upload.triangles, chosen, width, height)
         return View(self, upload, view, (width, height), origin, upwards)
 

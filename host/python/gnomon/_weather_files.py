@@ -46,7 +46,11 @@ class Readings(NamedTuple):
 
 def readings_of(file: Path) -> Readings:
     """What a weather file says. ValueError, one sentence, for what it should not."""
+    if file.is_dir():
+        raise ValueError(f"{file}: is a folder: name the weather file in it")
     data = file.read_bytes()
+    if not data.strip(b"\0 \t\r\n"):
+        raise ValueError(f"{file}: the file is empty: download it again")
     kind, rows_of = _format_of(file, data)
     try:
         rows = rows_of(file, data)

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _arrays, _gnomon
+from . import _arrays, _gnomon, _meshes
 from . import _lattice as _world
 from ._files import write_whole
 
@@ -135,6 +135,28 @@ def _normal_of(ring: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(np.cross(from_first, np.roll(from_first, -1, axis=0)).sum(axis=0))
 
 
+def _rings_of(polygon: Any, row: int) -> list[NDArray[np.float64]]:
+    name = f"polygons: row {row}"
+    try:
+        given = [_arrays.on_host(_arrays.columns_of(ring, name), name) for ring in polygon]
+    except TypeError:
+        given = []
+    if not given or any(ring.ndim != 2 or ring.shape[1] != 3 or ring.dtype.kind not in "iuf" for ring in given):
+        raise ValueError(f"{name} must be a list of rings, each of numbers (n, 3): [outer], or [outer, hole, hole]")
+    for ring in given:
+        if _arrays.all_finite(ring):  # what is not is said with other faults
+            _arrays.require_places(ring, name)
+    return [ring.astype(np.float64) for ring in given]
+
+
+def _triangles_of(triangles: Any, where: str = "") -> NDArray[np.float64]:
+    """Of an array or a mesh of another package. where: begins messages."""
+    try:
+        return np.ascontiguousarray(_arrays.triangles_of(*_meshes.mesh_of(triangles, None)), np.float64)
+    except (ValueError, TypeError) as error:
+        raise type(error)(f"{where}{error}") from None
+
+
 def polygons(rings: Iterable[Sequence[ArrayLike]], occluders: ArrayLike | None = None) -> Surfaces:
     """Surfaces of polygons in space. Needs gnomon[study], whose earcut cuts them into triangles.
 
@@ -143,13 +165,13 @@ def polygons(rings: Iterable[Sequence[ArrayLike]], occluders: ArrayLike | None =
     """
     found, not_planar = [], []
     for row, polygon in enumerate(rings):
-        triangles, fault, is_planar = cut(polygon)
+        triangles, fault, is_planar = cut(_rings_of(polygon, row))
         if fault:
             raise ValueError(f"polygons: row {row} {fault}")
         if not is_planar:
             not_planar.append(row)
         found.append(triangles)
-    more = np.empty((0, 3, 3)) if occluders is None else np.asarray(occluders, np.float64).reshape(-1, 3, 3)
+    more = np.empty((0, 3, 3)) if occluders is None else _triangles_of(occluders, "occluders: ")
     faces = np.concatenate([np.repeat(np.arange(len(found)), [len(t) for t in found]), np.full(len(more), -1)])
     return Surfaces(np.concatenate([*found, more]), faces.astype(np.int32), np.array(not_planar, np.int64))
 
@@ -186,19 +208,34 @@ def lit_fractions(
             triangles.triangles, directions, triangles.faces, within=within, limit=limit, lattice=lattice,
             centroids=centroids, threads=threads, progress=progress,
         )  # fmt: skip
-    scene = _world.lattice_of(np.ascontiguousarray(_arrays.triangles_of(triangles, None), np.float64), lattice)
-    towards = -np.asarray(directions, np.float64).astype(np.float32)
-    if towards.ndim != 2 or towards.shape[1] != 3:
-        raise ValueError(f"directions: shape {towards.shape} is not (M, 3)")
+    scene = _world.lattice_of(_triangles_of(triangles), lattice)
+    rows = _arrays.on_host(_arrays.columns_of(directions, "directions"), "directions")
+    _arrays.require_real(rows, "directions")
+    if rows.ndim != 2 or rows.shape[1] != 3:
+        raise ValueError(f"directions: shape {rows.shape} is not (M, 3)")
+    if _arrays.all_finite(rows):  # what is not is said below
+        _arrays.require_places(rows, "directions")
+    with np.errstate(over="ignore"):
+        towards = -rows.astype(np.float32)
     length = np.abs(towards.astype(np.float64)).sum(axis=1)
     bad = _arrays.first_row(~(np.isfinite(length) & (length > 0)))
     if bad is not None:
         raise ValueError(f"directions: row {bad} {(-towards[bad]).tolist()} is zero or not finite in float32")
-    of = np.arange(len(scene.triangles)) if faces is None else np.asarray(faces)
-    if of.shape != (len(scene.triangles),) or of.dtype.kind not in "iu":
-        raise ValueError(f"faces: must be {len(scene.triangles)} whole numbers, one per triangle")
-    if not 0 < within <= 1 or limit < 0:
-        raise ValueError(f"within: {within!r} is not above 0 and at most 1, or limit: {limit!r} is negative")
+    size = len(scene.triangles)
+    of = np.arange(size) if faces is None else _arrays.on_host(faces, "faces")
+    if of.dtype.kind == "f" and np.isnan(of).any():
+        raise ValueError(f"faces: row {_arrays.first_row(np.isnan(of))} is masked or has no value")
+    if of.shape != (size,) or of.dtype.kind not in "iu":
+        raise ValueError(f"faces: must be {size} whole numbers, one per triangle")
+    if (row := _arrays.first_row(of < -1)) is not None:
+        raise ValueError(f"faces: row {row} is {of[row]}: they count from 0 on, and -1 is for an occluder")
+    has_one = np.isin(np.arange(size + 1), of)
+    if of.max(initial=-1) >= size:
+        raise ValueError(f"faces: face {has_one.argmin()} has no triangle, and one is called {of.max()}")
+    within, limit = _arrays.number(within, "within"), int(_arrays.number(limit, "limit", least=0))
+    threads = None if threads is None else int(_arrays.number(threads, "threads"))
+    if not 0 < within <= 1:
+        raise ValueError(f"within: {within:g} is not above 0 and at most 1")
     count = int(of.max(initial=-1)) + 1
     steps = np.ascontiguousarray(scene.triangles / np.float32(scene.step), np.int32).reshape(-1, 9)
     _require_areas(steps, of, count)

@@ -169,8 +169,8 @@ def _make_plan(folder: Path, settings: Settings, run_survey: SurveyRun) -> Plan:
     write_whole(folder / "survey.json", json.dumps({"settings": json.loads(settings.as_json())}))
     survey = _run_survey(folder, casters, run_survey, None, list(range(len(casters))))
     survey.save(folder / "survey.npz")
-    if note := _note_of_heights(survey):
-        warnings.warn(note, stacklevel=2)
+    if heights := _note_of_heights(survey):
+        warnings.warn(heights, stacklevel=2)
     for note in far_from_all(casters, survey, receivers.box, folder / "points.npy"):
         warnings.warn(note, stacklevel=2)
     exponent = _exponent(settings, casters, survey)

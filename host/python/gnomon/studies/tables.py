@@ -42,6 +42,7 @@ class _NpyTable:
 
     def __init__(self, file: str, unnamed: tuple[tuple[str, ...], ...], are_points: bool) -> None:
         self.file = file
+        self._headings: Any = None
         try:
             values = np.load(file, allow_pickle=False)
         except (ValueError, OSError, EOFError) as error:
@@ -54,7 +55,6 @@ class _NpyTable:
             self.names = self._headings.names
             self._columns = [self._real(values[name].reshape(-1)) for name in values.dtype.names]
             return
-        self._headings = None
         values = self._real(values)
         if values.ndim not in (1, 2):
             raise ValueError(f"{file}: shape {values.shape} is not (N, columns)")
