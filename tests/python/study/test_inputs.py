@@ -635,6 +635,29 @@ def test_grids_that_are_refused(tmp_path, name):
         shadow(tmp_path, ridge(tmp_path, **made))
 
 
+@pytest.mark.parametrize("transform, crs", [
+    (rasterio.Affine(5, 0, 500_000, 0, 5, 3_999_945), "EPSG:26913"),
+    (rasterio.Affine(-5, 0, 500_405, 0, -5, 4_000_000), "+proj=utm +zone=13 +datum=NAD83"),
+    (AFFINE * rasterio.Affine.rotation(0.1), "EPSG:26913+5703"),
+])  # fmt: skip
+def test_the_remedy_for_a_raster_that_is_not_north_up_helps(tmp_path, transform, crs):
+    with pytest.raises(ValueError, match="not north up") as error:
+        shadow(tmp_path, ridge(tmp_path, crs=crs, transform=transform))
+    words = shlex.split(re.search(r"\(rio (.*)\)$", str(error.value))[1])
+    names = {"IN.tif": str(tmp_path / "dsm.tif"), "OUT.tif": str(tmp_path / "out.tif")}
+    main_group([names.get(word, word) for word in words], standalone_mode=False)
+    heights = rasters.open_mosaic((names["OUT.tif"],)).heights(5, 6, 0, 81)
+    assert np.abs(np.argwhere(heights[0] == 100) - (60 if transform.a < 0 else 20)).max() <= 1
+
+
+def test_the_remedy_for_degrees_that_run_northwards_is_a_map(tmp_path):
+    south_up = rasterio.Affine(5e-5, 0, 11, 0, 5e-5, 48)
+    with pytest.raises(
+        ValueError, match="not north up .*rio warp IN.tif OUT.tif --dst-crs EPSG:32632 --src-nodata nan"
+    ):
+        shadow(tmp_path, ridge(tmp_path, crs="EPSG:4326", transform=south_up))
+
+
 @pytest.mark.parametrize("scale", [0, np.nan])
 def test_a_scale_that_makes_all_heights_alike(tmp_path, scale):
     """Of two bands; its remedy is tried."""

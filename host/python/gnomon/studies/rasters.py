@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import functools
 import os
+import shlex
 import threading
 import warnings
 from typing import Any, NamedTuple
@@ -16,7 +17,7 @@ from rasterio.windows import Window
 
 from .. import _arrays
 from .settings import Settings
-from .units import horizontal, metres_of, metres_of_height, require_metres
+from .units import horizontal, metres_of, metres_of_height, require_metres, utm_at
 
 
 class UnreadableError(OSError):
@@ -199,8 +200,8 @@ def _checked(name: str) -> Any:
         )
     if grid.b or grid.d or grid.a <= 0 or grid.e >= 0:
         raise ValueError(
-            f"{name}: the raster is rotated or not north up (its transform is {tuple(grid)[:6]}): warp it first (rio "
-            f"warp IN.tif OUT.tif{_option_of_warp(data)} --dst-crs with its own CRS)"
+            f"{name}: the raster is rotated or not north up (its transform is {tuple(grid)[:6]}): warp it first "
+            + _how_to_warp(data)
         )
     if data.crs is not None:
         x, y = grid @ (data.width / 2, data.height / 2)
@@ -241,6 +242,20 @@ def _require_no_degrees(name: str, data: Any) -> None:
         f"{box.top:g} on): say so (rio edit-info --crs EPSG:4326 {name}), or that they are metres "
         f'(rio edit-info --crs \'LOCAL_CS["site",UNIT["metre",1]]\' {name})'
     )
+
+
+def _how_to_warp(data: Any) -> str:
+    """North up: to its own CRS, from degrees to UTM."""
+    if data.crs is None:
+        return "(rio edit-info --crs says its CRS, then rio warp IN.tif OUT.tif --dst-crs with the same)"
+    flat = horizontal(data.crs)
+    to = f"EPSG:{utm_at(flat, *(data.transform @ (data.width / 2, data.height / 2)))}"
+    if not flat.is_geographic:
+        to = shlex.quote(data.crs.to_string())
+        if data.transform.a < 0:  # rio would keep it
+            (x0, x1), (y0, y1) = (sorted(data.bounds[i::2]) for i in (0, 1))
+            to += f" --bounds {x0!r} {y0!r} {x1!r} {y1!r} --res {data.res[0]!r} --res {data.res[1]!r}"
+    return f"(rio warp IN.tif OUT.tif --dst-crs {to}{_option_of_warp(data)})"
 
 
 def _option_of_warp(data: Any) -> str:
