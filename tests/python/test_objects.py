@@ -85,6 +85,7 @@ def open3d_tensors():
 TAKEN = {
     "arrays": lambda: (VERTICES, FACES),
     "lists": lambda: (VERTICES.tolist(), FACES.tolist()),
+    "a list of triangles": lambda: (list(VERTICES[FACES]),),
     "a trimesh": lambda: (trimesh().Trimesh(VERTICES, FACES),),
     "a trimesh scene with transforms": lambda: (moved_scene(),),
     "a trimesh scene with instances": lambda: (instanced_scene(),),

@@ -136,7 +136,8 @@ def _remedy(given: Any) -> str | None:
         return "gnomon.Scene(pyvista.wrap(mesh)) takes it"
     if isinstance(given, list | tuple) and given and hasattr(given[0], "faces"):
         return "join the meshes first, with trimesh.util.concatenate(meshes) or pyvista.merge(meshes)"
-    if isinstance(given, list | tuple) and [np.ndim(one) for one in given] == [2, 2] and np.shape(given[0])[1:] == (3,):
+    are_two = isinstance(given, list | tuple) and [getattr(one, "ndim", 0) for one in given] == [2, 2]
+    if are_two and given[0].shape != given[1].shape:  # two triangles have one shape
         return "give vertices and faces apart, gnomon.Scene(vertices, faces)"
     if hasattr(given, "points") or hasattr(given, "vertices"):
         return "it has points or lines and no faces: they shadow nothing; give vertices and faces"
