@@ -25,7 +25,7 @@ from processes import run
 ROUNDS = int(os.environ.get("GNOMON_ROUNDS", "30"))
 
 PROGRAM = """
-import gc, json, os, sys, copy, pickle, threading
+import gc, json, os, sys, copy, pickle, threading, time
 import numpy as np
 import gnomon
 from processes import *
@@ -47,6 +47,8 @@ for i in range({rounds}):
     operation(i)
     if i == {warm}: first = used()
 last = used()
+for _ in range(100):  # a thread that was joined may be seen a little longer
+    if last[1] > first[1]: time.sleep(0.01); last = used()
 print(json.dumps([b - a for a, b in zip(first, last)]))
 """
 QUEUE = "import pyopencl as cl, pyopencl.array; context = cl.create_some_context(interactive=False)\n"
@@ -178,6 +180,6 @@ def test_nothing_grows(member):
     if member == "a study":
         pytest.importorskip("rasterio")
     memory, threads, files, on_device = growth(setup, operation)
-    assert (threads, files, on_device) == (0, 0, 0)
+    assert threads <= 0 and files <= 0 and on_device == 0  # below 0: the first rounds' ended later
     opens_device = any(word in member for word in ("device by name", "use()", "queue"))
     assert memory < (LIMIT_WITH_DEVICE if opens_device else LIMIT) * max(1, 30 / ROUNDS)
