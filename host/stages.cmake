@@ -78,7 +78,7 @@ gnomon_wing(c c_interface c_interface_lattice c_interface_lights c_interface_res
 gnomon_wing(samples samples fragments pixel_masks_gpu samples_masks_gpu open_samples samples_filter footprints coverage_masks
             sample_points find_receivers_gpu clearance classify_footprints c_interface_samples)
 gnomon_wing(shading texture mip_levels appearance surface metering shade picture_mean received_light c_interface_shading)
-gnomon_wing(sight sight_lines sight_sweep height_grid)
+gnomon_wing(sight sight_lines sight_crossings sight_sweep height_grid)
 gnomon_wing(rivals rivals framed_technique conservative_map_alone shadow_volumes sub_pixel_shadow_map izb)
 gnomon_wing(rivals/rasterizer map_view depth_pass caster drawing tile_bounds window_depths caster_lanes caster_windows caster_chunks)
 gnomon_wing(rivals/shadow_map map_projection homography partition texel_footprint depth_pass lookup depth_lookup moments mip_chain moment_lookup

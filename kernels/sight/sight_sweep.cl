@@ -3,23 +3,21 @@
 // and what it writes is certain, but for the cells that it opens.
 #include "sight/sight_sweep.h"
 
+#include "sight/sight_crossings.clh"
 #include "sight/sight_lines.clh"
 #include "simd/lanes.clh"
 
-// Float arithmetic. A height from the eye, an interpolation between two heights and a quotient by the distance together
-// have fewer than 2^5 roundings' worth of error (2^-24 each, of the heights' sum, with 2.5 ulp for a division): they
-// are bounded by HEIGHT_SLACK. A crossing's distance is rounded by less than DISTANCE_SLACK, which counts near the eye.
-#define HEIGHT_SLACK 0x1p-19f
+// A crossing's distance is rounded by less than DISTANCE_SLACK, which counts near the eye.
 #define DISTANCE_SLACK 0x1p-20f
 #define NEAR_LINES 2
 // A height for none: below all others, and so are all heights interpolated with it.
 #define LOW_HEIGHT -0x1p31f
 // Every so many lines the bounds are kept, the latest two of each: a target near the edge of what is seen is compared
-// with the bounds of some lines earlier, and exactly with the ground since.
-#define KEPT_LEVELS 3
+// with the bounds of some lines earlier, and with the ground since, by floats first, then exactly.
+#define KEPT_LEVELS 5
 #define BOUNDS_KEPT (2 * KEPT_LEVELS)
 #define FIRST_LINES_KEPT 4
-#define MORE_LINES_KEPT 16  // of each further level
+#define MORE_LINES_KEPT 4  // of each further level
 
 // Once a patch's lines were passed over, those of so many patches are passed over at once where all lie low enough.
 #define PATCHES_AHEAD 4
@@ -182,11 +180,11 @@ static bool is_in_span(const SightGrid grid, __global const int* spans, int2 pla
     return place.x >= span[0] && place.x < span[1];
 }
 
-// Decides a target of a wedge by the ground since line `nearest`, which was kept.
+// Decides a target of a wedge by the ground of lines `nearest`, which was kept, to `farthest`.
 static void decide_exactly(const SightGrid grid, const SightHeights lines, __global const int* patch_tops,
-                           __global uchar* answer, int2 place, int height, int nearest) {
+                           __global uchar* answer, int2 place, int height, int nearest, int farthest) {
     SightLine line = sight_line(grid, place.x, place.y, height);
-    *answer = (uchar)(is_hidden(grid, lines, patch_tops, nearest, &line) ? SIGHT_HIDDEN : SIGHT_SEEN);
+    *answer = (uchar)(is_hidden(grid, lines, patch_tops, nearest, farthest, &line) ? SIGHT_HIDDEN : SIGHT_SEEN);
 }
 
 // Bounds of v on the last of the lines of sight to vertices `b` of line a: where they cross line a - 1, and the
@@ -198,13 +196,14 @@ GN_INLINE LastMet last_met(const SightGrid grid, const SweepQuadrant of, __globa
     const Strip before = strip_of(of, lines, a - 1, b), strip = strip_of(of, lines, a, b);
     float distance = (float)a - (float)of.eye_a / SUBCELLS,
           before_distance = (float)(a - 1) - (float)of.eye_a / SUBCELLS;
-    LaneFloat u = (LANES_TO_FLOAT(b) - (float)of.eye_b / SUBCELLS) / distance;
+    float over = 1.0f / before_distance;
+    LaneFloat u = (LANES_TO_FLOAT(b) - (float)of.eye_b / SUBCELLS) * (1.0f / distance);
     LaneInt grows = LANE_COMPARE(u, >, (LaneFloat)0.0f);
     LaneFloat at_b = from_eye(grid, heights_on_line(of, &before, b));
     LaneFloat beside = from_eye(grid, heights_on_line(of, &before, b - LANES_SELECT((LaneInt)-1, (LaneInt)1, grows)));
     LaneFloat diagonal = from_eye(grid, heights_on_line(of, &strip, b - 1));
     LaneFloat height = at_b + fabs(u) * (beside - at_b), slack = HEIGHT_SLACK * (fabs(at_b) + fabs(beside));
-    LastMet met = {(height - slack) / before_distance, (height + slack) / before_distance};
+    LastMet met = {(height - slack) * over, (height + slack) * over};
     LaneFloat v = top_of_edges(at_b, diagonal, u / (1.0f + u), before_distance, false);
     met.high = LANES_SELECT(met.high, LANES_MAX(met.high, v), grows);
     return met;
@@ -234,7 +233,8 @@ GN_INLINE void decide_targets(const SightGrid grid, const SweepQuadrant of, __gl
             left &= ~lane_bits(LANE_COMPARE(last.low, >, high));
         }
         near &= left & ~seen;
-        for (int i = 0; i < BOUNDS_KEPT; ++i) above[i] = lane_bits(LANE_COMPARE(low, >, wedges->top_kept[i]));
+        for (int i = 0; near != 0u && i < BOUNDS_KEPT; ++i)
+            above[i] = lane_bits(LANE_COMPARE(low, >, wedges->top_kept[i]));
     }
     const long line_stride = abs(of.line_stride), vertex_stride = abs(of.vertex_stride);
     const SightHeights all = {lines, of.is_along_y ? vertex_stride : line_stride,
@@ -242,18 +242,31 @@ GN_INLINE void decide_targets(const SightGrid grid, const SweepQuadrant of, __gl
     const int2 first = place_of(of, a, 0);
     const long answer_stride = of.direction * (of.is_along_y ? 1 : (long)grid.columns);
     __global uchar* of_line = answers + answer_of(grid, first.y * (long)grid.columns + first.x);
-    while (left != 0u) {
+    uint unknown = left & ~seen;
+    for (left &= seen; left != 0u;) {
         int lane = take_lane(&left), b = LANE_OF_INT(vertex, lane);
         if (grid.has_spans && !is_in_span(grid, spans, place_of(of, a, b))) continue;
+        of_line[b * answer_stride] = (uchar)SIGHT_SEEN;
+    }
+    while (unknown != 0u) {
+        int lane = take_lane(&unknown), b = LANE_OF_INT(vertex, lane);
+        if (grid.has_spans && !is_in_span(grid, spans, place_of(of, a, b))) continue;
         __global uchar* answer = of_line + b * answer_stride;
-        if (near >> lane & 1u) {
-            int kept = 0;
-            while (!(above[kept] >> lane & 1u)) ++kept;
-            decide_exactly(grid, all, patch_tops, answer, place_of(of, a, b), LANE_OF_INT(met->height, lane),
-                           of.nearest + of.direction * wedges->lines_kept[kept]);
-        } else {
-            *answer = (uchar)(seen >> lane & 1u ? SIGHT_SEEN : SIGHT_OPEN);
+        *answer = (uchar)SIGHT_OPEN;
+        if (!(near >> lane & 1u)) continue;
+        int kept = 0, clear_from = a;
+        while (!(above[kept] >> lane & 1u)) ++kept;
+        const int nearest = wedges->lines_kept[kept], height = LANE_OF_INT(met->height, lane);
+#if GN_LANES != 1
+        if (nearest > 0) {
+            const float above_eye = (float)((long)height + grid.target_height - grid.eye_height);
+            uint found = decide_by_floats(&grid, &of, lines, a, b, above_eye, nearest, &clear_from);
+            *answer = (uchar)found;
+            if (found != SIGHT_OPEN) continue;
         }
+#endif
+        decide_exactly(grid, all, patch_tops, answer, place_of(of, a, b), height, of.nearest + of.direction * nearest,
+                       of.nearest + of.direction * clear_from);
     }
 }
 

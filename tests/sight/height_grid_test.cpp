@@ -156,6 +156,29 @@ TEST(HeightGrid, BandsAreTheRowsOfTheWhole) {
     }
 }
 
+// The only thing above a plane is one vertex: it hides what lies behind it on the line from the eye, whichever patches
+// that line passes.
+TEST(HeightGrid, OneVertexHidesWhatLiesBehindIt) {
+    constexpr int eye_x = 80, eye_y = 48;  // diagonals from here pass through corners of patches
+    const gnomon::Eye eye{eye_x * SUBCELLS, eye_y * SUBCELLS, 1000, 0};
+    const auto spans = whole_rows(rows, columns);
+    const gnomon::Device device = device_with();
+    std::mt19937 random(6);
+    for (int i = 0; i < 48; ++i) {
+        const int x = 1 + int(random() % 20), y = i % 3 == 0 ? x : int(random() % 20);
+        const int step_x = i % 2 == 0 ? x : -x, step_y = i % 4 < 2 ? y : -y;
+        const auto cell = [&](int k) { return std::size_t((eye_y + k * step_y) * columns + eye_x + k * step_x); };
+        Heights heights(std::size_t(rows) * columns, 0);
+        heights[cell(1)] = 2'000'000;
+        gnomon::HeightGrid grid(device, heights, columns);
+        for (const bool sweeps : {false, true}) {
+            const auto seen = grid.look(eye, all_rows, spans, sweeps);
+            EXPECT_EQ(seen[cell(1)], SIGHT_SEEN) << step_x << ' ' << step_y;
+            EXPECT_EQ(seen[cell(2)], SIGHT_HIDDEN) << step_x << ' ' << step_y;
+        }
+    }
+}
+
 // Each eye begins with hidden answers, whatever was asked of the grid before it: counts and words are sums of single
 // looks, and an odd number of cells is filled to its end.
 TEST(HeightGrid, EyesAddUp) {
