@@ -3,11 +3,12 @@
 the first rounds. Beside them stand bare OpenCL calls, which tell what the driver itself keeps. (C++ and C, where no
 interpreter blurs the heap: tests/c/nothing_grows_test.cpp.)
 
-GNOMON_ROUNDS=1000 repeats each a thousand times, 20 minutes. So on 2026-11-28 with PoCL 3.1: threads, files and device
-memory of all 28 were the same after the first hundred rounds and after the last. Memory grew by 98 to 110 kB a round
-where a device was opened (by name, use() with and without a limit, a queue of the caller's, a scene for many queues),
-evenly; by 2.0 kB for a study (all in its first half, then 0); by .1 to .2 kB for many lights, other settings, a
-thread's calls and a bare program; not at all for the others.
+GNOMON_ROUNDS=1000 repeats each a thousand times, 20 minutes. So on 2026-11-28 with PoCL 3.1 (viewsheds, observers and
+lit shares came later, and did not grow either): threads, files and device memory of all 28 were the same after the
+first hundred rounds and after the last. Memory grew by 98 to 110 kB a round where a device was opened (by name, use()
+with and without a limit, a queue of the caller's, a scene for many queues), evenly; by 2.0 kB for a study (all in its
+first half, then 0); by .1 to .2 kB for many lights, other settings, a thread's calls and a bare program; not at all for
+the others.
 
 Those 98 to 110 kB are PoCL's: heaptrack finds all of them (90 rounds less 30) below clBuildProgram, in LLVM's metadata
 and attributes (MDTuple::getImpl, AttributeList::getImpl, AttributeSetNode::getSorted) that llvm::parseIRFile reads.

@@ -418,6 +418,7 @@ def test_heights_of_a_city_in_feet(tmp_path):
     (OGC + "2229", None, "California zone 5 .ftUS., is not a map in metres"),
     (OGC + "7415", "EPSG:25832", "RD New, is not the study's, ETRS89 / UTM zone 32N: reproject it first .cjio"),
     (OGC + "25833", "EPSG:25832", "UTM zone 33N, is not the study's"),
+    (OGC + "2065", "EPSG:5514", "or, if its numbers are of S-JTSK / Krovak East North already, name that .crs_assign"),
     ("https://example.org/1", "EPSG:25832", "a.city.json: its reference system 'https://example.org/1'"),
 ])  # fmt: skip
 def test_cities_elsewhere(tmp_path, crs, of_study, text):

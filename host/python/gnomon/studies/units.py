@@ -135,6 +135,8 @@ def require_crs_of_mesh(
     middle = triangles.reshape(-1, 3).mean(axis=0) if len(triangles) else np.zeros(3)
     code = utm_at(flat, *middle[:2]) if target is None else target.to_epsg()
     how = "" if flat.is_geographic or code is None else f" (cjio IN.city.json crs_reproject {code} save OUT.city.json)"
+    if how and target is not None:
+        how += f", or, if its numbers are of {target.name} already, name that (crs_assign in place of crs_reproject)"
     raise ValueError(f"{name}: its reference system, {flat.name}, is not {wanted}: reproject it first{how}")
 
 
