@@ -339,6 +339,7 @@ __kernel void sweeps_walk(const SweepParams params, __global const LightSweep* o
     __local uint* counts = listed + window;
     GroupTasks group = {listed, counts, counts + 2, counts + 2 + items, 0};
     for (size_t start = get_group_id(0) * (size_t)window; start < count; start += get_num_groups(0) * (size_t)window) {
+        barrier(CLK_LOCAL_MEM_FENCE);  // all items have read the last tasks' number
         if (item == 0u) counts[0] = 0u;
         barrier(CLK_LOCAL_MEM_FENCE);
         for (size_t task = start + item; task < min(start + window, count); task += items)
