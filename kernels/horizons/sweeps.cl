@@ -327,25 +327,25 @@ __kernel void sweeps_decide(const SweepParams params, __global const LightSweep*
 __kernel void sweeps_walk(const SweepParams params, __global const LightSweep* of_lights, __global const uint* vertices,
                           __global const float* heights, __global const float* tops, __global uint* masks,
                           __global uint* lit, __local uint* listed GN_SHARES) {
-    OpenPairs pairs = {
-        of_lights,         vertices + params.points.first / 3u, heights, tops, masks, lit, params.points.count,
-        params.mask_stride};
+    vertices += params.points.first / 3u;
+    OpenPairs pairs = {of_lights, vertices, heights, tops, masks, lit, params.points.count, params.mask_stride};
     size_t count = params.points.count * (size_t)params.bundle_count;
 #ifdef GN_CPU
     GN_FOR_EACH_OF(task, GN_SHARED_RANGE(count)) { walk_mask(&pairs, task); }
     GN_END_SHARES;
 #else
-    uint item = (uint)get_local_id(0), items = (uint)get_local_size(0), window = WALK_ROUNDS * items;
+    uint items = (uint)get_local_size(0), window = WALK_ROUNDS * items;
     __local uint* counts = listed + window;
     GroupTasks group = {listed, counts, counts + 2, counts + 2 + items, 0};
-    for (size_t start = get_group_id(0) * (size_t)window; start < count; start += get_num_groups(0) * (size_t)window) {
+    GN_FOR_EACH_BY_GROUP(size_t, i, (count + window - 1u) / window) {
+        group.start = i * window;
         barrier(CLK_LOCAL_MEM_FENCE);  // all items have read the last tasks' number
-        if (item == 0u) counts[0] = 0u;
+        if (get_local_id(0) == 0) counts[0] = 0u;
         barrier(CLK_LOCAL_MEM_FENCE);
-        for (size_t task = start + item; task < min(start + window, count); task += items)
-            if (masks[mask_of_task(&pairs, task)] != 0u) listed[atomic_inc(&counts[0])] = (uint)(task - start);
+        GN_FOR_EACH_IN_GROUP(k, min(count - group.start, (size_t)window)) {
+            if (masks[mask_of_task(&pairs, group.start + k)] != 0u) listed[atomic_inc(&counts[0])] = k;
+        }
         barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
-        group.start = start;
         walk_tasks(&pairs, &group);
     }
 #endif

@@ -250,35 +250,39 @@ def _gltf(rows):
     ))  # fmt: skip
 
 
-@pytest.mark.parametrize("suffix", ["obj", "ply", "off", "stl", "city.json", "gltf"])
+WRITERS = {"obj": _obj, "ply": _ply, "off": _off, "stl": _stl, "city.json": _cityjson, "gltf": _gltf}
+
+
+def study_below(mesh, points, **how):
+    """Of two points under a mesh, with the sun in the zenith."""
+    table = mesh.with_name("points.csv")
+    table.write_text("x,y,z\n" + "".join(f"{x},{y},{z}\n" for x, y, z in points))
+    up = dict(mesh_up="z") if mesh.suffix == ".gltf" else {}
+    return studies.study(
+        mesh.with_name("study"), meshes=[str(mesh)], receivers="points", points=str(table),
+        directions=write_suns(mesh.with_name("suns.csv"), [(180, 89.9)]), outputs=["bits"], **up, **how,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("suffix", WRITERS)
 def test_a_mesh_with_a_height_of_no_data(suffix, tmp_path):
     """A roof of four corners, of which one stands for no data: its file is named, and the first place and value."""
-    write_mesh = {"obj": _obj, "ply": _ply, "off": _off, "stl": _stl, "city.json": _cityjson, "gltf": _gltf}[suffix]
-    mesh, points = tmp_path / f"roof.{suffix}", tmp_path / "points.csv"
-    points.write_text("x,y,z\n4,4,1\n50,50,1\n")
-    suns = write_suns(tmp_path / "suns.csv", [(180, 89.9)])
-    settings = dict(meshes=[str(mesh)], receivers="points", points=str(points), directions=suns, outputs=["bits"])
-    up = dict(mesh_up="z") if suffix == "gltf" else {}
+    write_mesh, mesh, points = WRITERS[suffix], tmp_path / f"roof.{suffix}", [(4, 4, 1), (50, 50, 1)]
     mesh.write_text(write_mesh(ROWS))
     with pytest.raises(ValueError, match=rf"roof.{suffix}: .*8.*, 8.*, -9999.* no data"):
-        studies.study(tmp_path / "study", **settings, **up)
+        study_below(mesh, points)
     mesh.write_text(write_mesh([(x, y, 4) for x, y, _ in ROWS]))
-    study = studies.study(tmp_path / "study", **settings, **up, restart=True)
+    study = study_below(mesh, points, restart=True)
     assert (study.dataset().lit.values.reshape(-1) & 1).tolist() == [0, 1]
 
 
-@pytest.mark.parametrize("suffix", ["obj", "ply", "off", "stl", "city.json", "gltf"])
+@pytest.mark.parametrize("suffix", WRITERS)
 def test_a_plate_wholly_at_a_height_of_no_data(suffix, tmp_path):
     """So does a mesh look that was made of a raster without data: it is refused, and moved a little it is a place."""
-    write_mesh = {"obj": _obj, "ply": _ply, "off": _off, "stl": _stl, "city.json": _cityjson, "gltf": _gltf}[suffix]
-    mesh, points = tmp_path / f"roof.{suffix}", tmp_path / "points.csv"
-    points.write_text("x,y,z\n4,5,-9998\n4,5,-10001\n")
-    suns = write_suns(tmp_path / "suns.csv", [(180, 89.9)])
-    settings = dict(meshes=[str(mesh)], receivers="points", points=str(points), directions=suns, outputs=["bits"])
-    up = dict(mesh_up="z") if suffix == "gltf" else {}
+    write_mesh, mesh, points = WRITERS[suffix], tmp_path / f"roof.{suffix}", [(4, 5, -9998), (4, 5, -10001)]
     mesh.write_text(write_mesh([(x, y, -9999) for x, y, _ in ROWS]))
     with pytest.raises(ValueError, match=rf"roof.{suffix}: .* stands for no data: .*if it is a place, move the mesh"):
-        studies.study(tmp_path / "study", **settings, **up)
+        study_below(mesh, points)
     if suffix == "gltf":  # by its node
         file = json.loads(write_mesh([(x, y, 0) for x, y, _ in ROWS]))
         file["nodes"][0]["translation"] = [0, 0, -9999]
@@ -289,5 +293,5 @@ def test_a_plate_wholly_at_a_height_of_no_data(suffix, tmp_path):
         mesh.write_text(json.dumps(file))
     else:
         mesh.write_text(write_mesh([(x, y, -9999.001) for x, y, _ in ROWS]))
-    study = studies.study(tmp_path / "study", **settings, **up, restart=True)
+    study = study_below(mesh, points, restart=True)
     assert (study.dataset().lit.values.reshape(-1) & 1).tolist() == [1, 0]

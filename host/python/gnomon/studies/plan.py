@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .casters import LARGEST_SPAN, Casters, Survey, far_from_all, largest_tile
 from .decide import Decider
@@ -211,27 +212,29 @@ def _reach(settings: Settings, survey: Survey) -> float:
     the extent's diagonal if that is less."""
     extent = survey.extent
     diagonal = math.hypot(extent[2] - extent[0], extent[3] - extent[1])
-    heights = survey.tops[np.isfinite(survey.tops)]
-    lows = survey.bottoms[np.isfinite(survey.bottoms)]
-    if not len(heights):
+    if not len(_finite(survey.tops)):
         return diagonal
     lowest = settings.min_elevation if settings.start is not None else 6.0 / max(settings.sky, 1)
     if settings.directions is not None or settings.weather is not None:
         return diagonal
-    reach = (heights.max() - lows.min()) / math.tan(math.radians(lowest))
-    reach = min(float(reach) * 1.01 + 1, diagonal)
+    reach = min(_rise(survey) / math.tan(math.radians(lowest)) * 1.01 + 1, diagonal)
     return reach if settings.halo_limit is None else min(reach, settings.halo_limit)
+
+
+def _finite(heights: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Those of caster tiles that hold ground, of known heights."""
+    return heights[np.isfinite(heights)]
 
 
 def _rise(survey: Survey) -> float:
     """From the lowest height to the highest."""
-    tops, bottoms = survey.tops[np.isfinite(survey.tops)], survey.bottoms[np.isfinite(survey.bottoms)]
+    bottoms, tops = _finite(survey.bottoms), _finite(survey.tops)
     return float(tops.max() - bottoms.min()) if len(tops) and len(bottoms) else 0.0
 
 
 def _note_of_heights(survey: Survey) -> str | None:
     """A sentence about heights that no ground on Earth has in metres."""
-    tops, bottoms = survey.tops[np.isfinite(survey.tops)], survey.bottoms[np.isfinite(survey.bottoms)]
+    bottoms, tops = _finite(survey.bottoms), _finite(survey.tops)
     extremes = [n for n in (tops.max(initial=0), bottoms.min(initial=0)) if not LOWEST_GROUND < n < HIGHEST_GROUND]
     if not extremes:
         return None
