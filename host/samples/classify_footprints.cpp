@@ -17,7 +17,7 @@ void classify_over_lists(cl::Session& session, const TraceInputs& inputs) {
     const PointInputs& points = inputs.points;
     const ListBuffers& lists = inputs.lists;
     cl::Kernel kernel = inputs.triangles.kernel("samples/classify_footprints.cl", "classify_footprints");
-    // As in the table of query/variants.cpp, and for its reason.
+    // Of its own for directional lights, with fewer registers, as specialised rows of query/variants.cpp are.
     kernel.flags.directional_only = !session.is_cpu() && inputs.light_frame.perspective == 0;
     session.launch(kernel, session.blocks(points.layout.count),
                    ClassifyParams{.triangles = inputs.triangles,

@@ -278,7 +278,7 @@ def test_a_mesh_with_a_height_of_no_data(suffix, tmp_path):
 
 @pytest.mark.parametrize("suffix", WRITERS)
 def test_a_plate_wholly_at_a_height_of_no_data(suffix, tmp_path):
-    """So does a mesh look that was made of a raster without data: it is refused, and moved a little it is a place."""
+    """A raster without data makes such a mesh: it is refused; moved a little, it is a place."""
     write_mesh, mesh, points = WRITERS[suffix], tmp_path / f"roof.{suffix}", [(4, 5, -9998), (4, 5, -10001)]
     mesh.write_text(write_mesh([(x, y, -9999) for x, y, _ in ROWS]))
     with pytest.raises(ValueError, match=rf"roof.{suffix}: .* stands for no data: .*if it is a place, move the mesh"):
