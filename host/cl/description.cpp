@@ -156,6 +156,7 @@ std::vector<DeviceDescription> devices() {
     // PoCL 3.1 starts at the first call, and tells a second thread meanwhile that it has no device.
     static std::mutex mutex;
     const std::lock_guard lock(mutex);
+    const cl::KeptLists lists;
     cl_uint platform_count = 0;
     if (clGetPlatformIDs(0, nullptr, &platform_count) != CL_SUCCESS) return all;
     std::vector<cl_platform_id> platforms(platform_count);

@@ -95,6 +95,16 @@ void give_pocl_a_folder() {
     if (const fs::path folder = temporary_folder(); !folder.empty()) setenv("POCL_CACHE_DIR", folder.c_str(), 1);
 }
 
+KeptLists::KeptLists() {
+    for (const char* name : {"OCL_ICD_FILENAMES", "OPENCL_LAYERS"})
+        if (std::getenv(name) != nullptr) values_[name] = environment(name);
+}
+
+KeptLists::~KeptLists() {
+    for (const auto& [name, value] : values_)
+        if (environment(name) != value) setenv(name, value.c_str(), 1);
+}
+
 std::string why_no_device() {
     const KernelFolder kernels = folder_of_pocl();
     std::string why = "there is no OpenCL device";

@@ -61,6 +61,7 @@ while(small_devices)
 endwhile()
 gnomon_lie(memory_of_its_own_is_copied unified=0 library_test --gtest_filter=SharedMemory.*)
 gnomon_lie(shared_memory_is_used_in_place type=gpu,unified=1 library_test --gtest_filter=SharedMemory.*)
+gnomon_lie(list_of_drivers_is_cut cut=OCL_ICD_FILENAMES library_test --gtest_filter=Devices.AListOfDriversStaysWhole)
 gnomon_lie(groups_of_64_many_lights type=gpu,work_group=64,local_memory=16384 many_lights_test
   --gtest_filter=-*Exhaustive*)
 # Those of its cases that reach every kernel once: groups of 32 are compiled anew, case by case.

@@ -23,6 +23,7 @@
 //   lost=N               the N-th launch succeeds, is not run, and fails later: its event has a negative state, and the
 //                        next call that waits returns the error; so do the launches up to there, which would read what
 //                        it did not write
+//   cut=VARIABLE         cuts a list in the environment at its first colon, as Khronos' loader does when it starts
 //   wrong_bit=BYTES      a read of at least so many bytes has a wrong bit
 #define CL_TARGET_OPENCL_VERSION 120
 #define CL_USE_DEPRECATED_OPENCL_1_1_APIS
@@ -49,11 +50,25 @@ using Lies = std::map<std::string, std::string>;
 
 const Lies& lies() {
     static const Lies all = [] {
-        const char* const known[] = {"type",         "local_memory", "work_group",       "kernel_work_group",
-                                     "no_fp64",      "multiple",     "no_int64_atomics", "compute_units",
-                                     "fail",         "allocation",   "no_exact_divide",  "address_bits",
-                                     "lost",         "opencl_c",     "no_clock",         "unified",
-                                     "vector_width", "wrong_bit"};
+        const char* const known[] = {"type",
+                                     "local_memory",
+                                     "work_group",
+                                     "kernel_work_group",
+                                     "no_fp64",
+                                     "multiple",
+                                     "no_int64_atomics",
+                                     "compute_units",
+                                     "fail",
+                                     "allocation",
+                                     "no_exact_divide",
+                                     "address_bits",
+                                     "lost",
+                                     "opencl_c",
+                                     "no_clock",
+                                     "unified",
+                                     "vector_width",
+                                     "wrong_bit",
+                                     "cut"};
         Lies found;
         const char* text = std::getenv("GNOMON_TEST_LIES");
         std::istringstream words(text != nullptr ? text : "");
@@ -339,6 +354,8 @@ extern "C" __attribute__((visibility("default"))) cl_int CL_API_CALL clInitLayer
                                                                                  const cl_icd_dispatch** table_out) {
     if (target == nullptr || entries_out == nullptr || table_out == nullptr) return CL_INVALID_VALUE;
     if (entries < sizeof(layer) / sizeof(layer.clGetPlatformIDs)) return CL_INVALID_VALUE;
+    if (tells("cut"))
+        if (char* const list = std::getenv(lies().at("cut").c_str())) list[std::strcspn(list, ":")] = '\0';
     driver = target;
     layer = *target;
     layer.clGetDeviceInfo = get_device_info;

@@ -553,6 +553,13 @@ TEST(Devices, ChosenByIndexByNameByEnvironment) {
     EXPECT_EQ(Device(all[0].selector).description().device_id, all[0].device_id) << "an argument goes first";
 }
 
+// A layer cuts the list, as Khronos' loader does (tests/drivers/drivers.cmake).
+TEST(Devices, AListOfDriversStaysWhole) {
+    const Environment list("OCL_ICD_FILENAMES", "libnot-there.so:libneither.so");
+    (void)gnomon::devices();
+    EXPECT_STREQ(std::getenv("OCL_ICD_FILENAMES"), "libnot-there.so:libneither.so");
+}
+
 TEST(Devices, NeitherCameraNorShadowsNeedDoublePrecision) {
     DeviceOptions options;
     options.hide_fp64 = true;
