@@ -8,6 +8,7 @@ import os
 import pickle
 import subprocess
 import sys
+import types
 
 import gnomon
 import numpy as np
@@ -451,3 +452,13 @@ def test_the_interpreter_ends(member):
     done = run(code + act)
     assert (done.returncode, done.stdout) == (code_of_exit, out), done.stderr
     assert ("Traceback" in done.stderr) == (member == "an error") and "nanobind" not in done.stderr, done.stderr
+
+
+@pytest.mark.parametrize(("gpus", "cores", "of_each"), [(1, 1, 1), (1, 16, 4), (2, 12, 3), (2, 32, 4), (8, 4, 1)])
+def test_a_gpu_has_several_processes_where_the_host_has_cores_for_them(gpus, cores, of_each, monkeypatch):
+    runner = pytest.importorskip("gnomon.studies.runner")
+    listed = [types.SimpleNamespace(selector=f"1:{i}", type="GPU") for i in range(gpus)]
+    cpu = types.SimpleNamespace(selector="0:0", type="CPU")
+    monkeypatch.setattr("gnomon._devices.devices", lambda: [cpu, *listed])
+    monkeypatch.setattr(os, "cpu_count", lambda: cores)
+    assert sorted(runner._devices_of("gpus", None)) == sorted(of_each * [d.selector for d in listed])

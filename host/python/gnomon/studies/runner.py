@@ -34,6 +34,9 @@ THREADS = 2
 #: How often a task that raises, or whose worker dies, is called.
 MAX_CALLS = 4
 TILES_OF_A_SURVEY = 16
+#: The processes that workers="gpus" starts for a GPU where the host has two cores for each: one process keeps a GPU
+#: busy for a tenth of its time.
+PROCESSES_OF_A_GPU = 4
 
 
 class StudyStoppedError(RuntimeError):
@@ -48,8 +51,9 @@ Call = tuple[Any, Callable[..., Any], tuple[Any, ...]]
 class Execution:
     """How a study is computed. No answer depends on it.
 
-    workers: None: this process. N: N processes of this host. "gpus", or names of devices as in gnomon.use(): a process
-        for each. "tcp://...": the address of a dask scheduler.
+    workers: None: this process. N: N processes of this host. Names of devices as in gnomon.use(): a process for each
+        name, which may come several times. "gpus": up to 4 processes for each GPU of this host, one for two of its
+        cores. "tcp://...": the address of a dask scheduler.
     client: a distributed.Client that you have.
     device: for all workers: a name as in gnomon.use().
     tiles: only these receiver tiles, for job arrays. Jobs may share a folder once one has made the plan.
@@ -269,7 +273,8 @@ def _devices_of(workers: int | str | Sequence[str], device: str | None) -> list[
     gpus: list[str | None] = [d.selector for d in devices() if d.type == "GPU"]
     if not gpus:
         raise ValueError('workers: "gpus": this host has no GPU with an OpenCL driver (gnomon.devices() lists devices)')
-    return gpus
+    cores_of_each = (os.cpu_count() or 1) // len(gpus)
+    return gpus * min(max(cores_of_each // 2, 1), PROCESSES_OF_A_GPU)
 
 
 def _forget_what_drivers_set() -> None:
