@@ -60,8 +60,8 @@ static uint draw_texels(const TriangleRecord* record, uint x, uint last_x, uint 
     if (cover_test == COVER_SLOPE) lowest -= 0.5f * fabs(fabs(record->plane_x) - fabs(record->plane_y));
     lowest = fmax(lowest - 2.0f * GN_U * fabs(lowest), cover_test == COVER_SLOPE ? -INFINITY : record->z_low);
     LaneInt heights = lanes_in_order(lowest);
-    for (int lane = 0; lane < GN_LANES; ++lane) {
-        if (!LANE_OF_INT(covers, lane)) continue;
+    for (uint bits = lane_bits(covers); bits != 0u;) {
+        int lane = take_lane(&bits);
         uint key = order_to_key(LANE_OF_INT(heights, lane));
         if (key > GN_RELAXED_LOAD(&row[x + (uint)lane])) atomic_max(&row[x + (uint)lane], key);
     }

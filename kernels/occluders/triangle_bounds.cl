@@ -178,8 +178,8 @@ static void append_block(BoundsWork* work, uint block) {
     if (!LANES_ANY(survivors)) return;
     work->counts.expected += LANES_SELECT((LaneFloat)(0.0f), found.expected,
                                           survivors & LANE_COMPARE(found.flags, ==, (LaneInt)((int)BOUNDS_FOR_MAP)));
-    for (int lane = 0; lane < GN_LANES; ++lane) {
-        if (!LANE_OF_INT(survivors, lane)) continue;
+    for (uint bits = lane_bits(survivors); bits != 0u;) {
+        int lane = take_lane(&bits);
         bool for_map = LANE_OF_INT(found.flags, lane) == (int)BOUNDS_FOR_MAP;
         work->counts.candidates += for_map;
         uint slot = reservation(&work->slots, &work->counters->slots);
