@@ -68,9 +68,11 @@ typedef struct PictureInputs {
 
 // The base colours of the triangles' materials, of which neighbours mostly have one.
 static PointBlock base_colors_of(const PictureInputs* from, LaneInt ids) {
-    LaneInt materials = LANES_GATHER((__global const int*)from->triangle_material, ids);
     __global const int* colors = (__global const int*)from->base_colors;
-    int first = LANE_OF_INT(materials, 0);
+    int id = LANE_OF_INT(ids, 0), first = (int)from->triangle_material[id];
+    LaneInt materials = (LaneInt)(first);
+    if (LANES_ANY(LANE_COMPARE(ids, !=, (LaneInt)(id))))
+        materials = LANES_GATHER((__global const int*)from->triangle_material, ids);
     if (LANES_ANY(LANE_COMPARE(materials, !=, (LaneInt)(first)))) {
         LaneInt at = 3 * materials;
         return (PointBlock){LANES_AS_FLOAT(LANES_GATHER(colors, at)), LANES_AS_FLOAT(LANES_GATHER(colors + 1, at)),
