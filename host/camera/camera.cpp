@@ -157,12 +157,11 @@ void CameraStage::make_lists(Statistics& statistics, bool orders_runs) {
     in.settings.orders_runs = orders_runs;
     lists_.run(session_, statistics, in, triangles_, counters_);
     if (session_.lanes() != 1) return;
-    // A long list of n entries has fewer than 2 n / long_list_ chunks. There is room for the least limit from the
-    // start, so that a look like the one before takes no more memory.
+    // A list of n entries has fewer than 2 n / long_list_ chunks. Room for the least limit: a like look takes no more.
     chunks_.reserve(session_, (2 * std::size_t(bins().entry_capacity()) / MIN_LONG_LIST + 1) * sizeof(ListChunk));
     cl::StageTimer timer(session_, statistics, "camera_bins");
-    session_.launch("camera/camera.cl", "camera_chunks", cl::Range::items(in.bin_count), in.bin_count, long_list_,
-                    bins().ranges(), chunks_, counters_);
+    session_.launch(triangles_.kernel("camera/camera.cl", "camera_chunks"), cl::Range::items(in.bin_count),
+                    in.bin_count, long_list_, bins().ranges(), chunks_, counters_);
 }
 
 bool CameraStage::check_lists(Statistics& statistics) {
@@ -257,8 +256,9 @@ void CameraStage::find_in_long_lists(const CameraParams& params, cl_mem pixel_re
 
 void CameraStage::make_points(const CameraParams& params, const PointSlice& out, Statistics& statistics) {
     cl::StageTimer timer(session_, statistics, "camera_points");
-    session_.launch("camera/camera.cl", "camera_points", cl::Range::shares(std::size_t(width_) * height_), params,
-                    triangles_.vertices, rays_, out.receivers, out.positions, counters_);
+    session_.launch(triangles_.kernel("camera/camera.cl", "camera_points"),
+                    cl::Range::shares(std::size_t(width_) * height_), params, triangles_.vertices, rays_, out.receivers,
+                    out.positions, counters_);
 }
 
 void CameraStage::run(SampleOffset offset, cl_mem pixel_receivers, const PointSlice& out, Statistics& statistics) {
@@ -363,7 +363,7 @@ Points lift(const Device& device, const Triangles& triangles, const Points& poin
     const PointInputs at = point_inputs(points);
     cl::Buffer positions(session, points.count() * 3 * sizeof(float));
     if (points.count() != 0)
-        session.launch("camera/camera.cl", "lift_points", cl::Range::items(points.count()),
+        session.launch(inputs.kernel("camera/camera.cl", "lift_points"), cl::Range::items(points.count()),
                        LiftParams{.first_float = inputs.first_float,
                                   .layout = at.layout,
                                   .eye = {eye[0], eye[1], eye[2]},
@@ -382,7 +382,7 @@ void camera_normals(const Device& device, const Triangles& triangles, const View
     std::copy_n(view.points.camera()->camera.eye.begin(), 3, params.eye);
     params.width = view.width;
     params.height = view.height;
-    session.launch("camera/camera.cl", "camera_normals", cl::Range::shares(view.points.count()), params,
+    session.launch(inputs.kernel("camera/camera.cl", "camera_normals"), cl::Range::shares(view.points.count()), params,
                    inputs.vertices, view.points.receivers(), normals);
 }
 
