@@ -106,12 +106,13 @@ std::set<std::uint32_t> expected_points(const LightScene& scene) {
     return ids;
 }
 
-void check(const gnomon::Device& device, const LightScene& scene, Largest& largest, gnomon::FrameGrid grid = {64, 3}) {
+void check(const gnomon::Device& device, const LightScene& scene, Largest& largest, gnomon::FrameGrid grid = {64, 3},
+           LightStages* kept = nullptr) {
     SCOPED_TRACE(scene.name);
     StageSettings settings;
     settings.grid = grid;
     std::set<std::uint32_t> seen;
-    for (const FrameOutput& out : run_light_stages(device, scene, settings)) {
+    for (const FrameOutput& out : run_light_stages(device, scene, settings, kept)) {
         check_frame(out, scene, largest);
         for (const ListedPoint& point : out.points) EXPECT_TRUE(seen.insert(point.id).second) << "listed twice";
     }
@@ -142,7 +143,8 @@ TEST(LightFrame, EqualsReferenceInLargeGrids) {
     const gnomon::Device device = device_with();
     Largest largest;
     const std::vector<LightScene> all = clouds();
-    for (std::size_t i = 0; i < all.size(); i += 5) check(device, all[i], largest, {8192, 6});
+    LightStages stages;
+    for (std::size_t i = 0; i < all.size(); i += 5) check(device, all[i], largest, {8192, 6}, &stages);
     EXPECT_LE(largest.position, 1);
     EXPECT_LE(largest.height, 1);
 }

@@ -32,17 +32,20 @@ std::vector<SetUpTriangle> read_triangles(Session& session, const LightStages& s
 }
 
 /// By texel; the texels of a bin are neighbours, row by row.
-std::vector<ListedPoint> read_points(Session& session, const LightStages& stages, const gnomon::LightFrame& frame) {
+std::vector<ListedPoint> read_points(Session& session, LightStages& stages, const gnomon::LightFrame& frame) {
     const std::uint32_t bin_log2 = frame.bin_log2, list_count = frame.bins_x * frame.bins_y << 2 * bin_log2;
-    const auto offsets = downloaded<std::uint32_t>(session, stages.izb.offsets().get(), list_count + 1);
+    std::vector<std::uint32_t>& offsets = stages.izb_offsets;
+    offsets.resize(list_count + 1);
+    session.read(stages.izb.offsets().get(), offsets.data(), offsets.size() * sizeof(offsets[0]));
     const std::size_t stride = stages.izb.slot_count();  // arrays of the point's index, X, Y and Z
     const auto lists = downloaded<float>(session, stages.izb.lists().get(), IZB_WORDS * stride);
     std::vector<ListedPoint> points;
-    for (std::uint32_t list = 0; list < list_count; ++list)
-        for (std::size_t i = offsets[list]; i < offsets[list + 1]; ++i)
-            if (const auto id = std::bit_cast<std::uint32_t>(lists[i]); id != GN_NO_ID)
-                points.push_back({id, list >> 2 * bin_log2, list & ((1u << 2 * bin_log2) - 1), lists[stride + i],
-                                  lists[2 * stride + i], lists[3 * stride + i]});
+    for (std::uint32_t i = 0; i < offsets.back(); ++i)
+        if (const auto id = std::bit_cast<std::uint32_t>(lists[i]); id != GN_NO_ID) {
+            const auto list = std::uint32_t(std::ranges::upper_bound(offsets, i) - offsets.begin() - 1);
+            points.push_back({id, list >> 2 * bin_log2, list & ((1u << 2 * bin_log2) - 1), lists[stride + i],
+                              lists[2 * stride + i], lists[3 * stride + i]});
+        }
     std::sort(points.begin(), points.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
     return points;
 }
@@ -180,10 +183,11 @@ bool run_stages_once(Session& session, LightStages& stages, const UploadedScene&
 }
 
 std::vector<FrameOutput> run_light_stages(const gnomon::Device& device, const LightScene& scene,
-                                          const StageSettings& settings) {
+                                          const StageSettings& settings, LightStages* kept) {
     Session& session = session_of(device);
     const UploadedScene uploaded_scene(device, scene);
-    LightStages stages;
+    LightStages own;
+    LightStages& stages = kept != nullptr ? *kept : own;
     if (settings.first_capacity != 0) {
         stages.lists.limit_initial_capacity(settings.first_capacity);
         stages.trace.limit_initial_capacity(settings.first_capacity);

@@ -96,7 +96,8 @@ struct LightStages {
     gnomon::OccluderLists lists;
     gnomon::Izb izb;
     gnomon::Trace trace;
-    gnomon::cl::Buffer projection;  ///< of the frame that runs
+    gnomon::cl::Buffer projection;           ///< of the frame that runs
+    std::vector<std::uint32_t> izb_offsets;  ///< of the izb, on the host
 };
 
 /// Runs the stages once for one frame, `out.frame`, with both traversals; their visibility must be equal. False if a
@@ -104,9 +105,10 @@ struct LightStages {
 bool run_stages_once(gnomon::cl::Session& session, LightStages& stages, const UploadedScene& scene,
                      const StageSettings& settings, FrameOutput& out);
 
-/// Everything for each frame of the light that has points. Lists grow as in the pipeline.
+/// Everything for each frame of the light that has points. Lists grow as in the pipeline. `kept`: stages of earlier
+/// runs on this device, whose memory is used again (the izb of the largest grid takes 256 MiB).
 std::vector<FrameOutput> run_light_stages(const gnomon::Device& device, const LightScene& scene,
-                                          const StageSettings& settings = {});
+                                          const StageSettings& settings = {}, LightStages* kept = nullptr);
 
 /// The inverse of the order-preserving map from floats to integers (kernels/prelude.h).
 inline float float_of_key(std::uint32_t key) {
