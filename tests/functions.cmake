@@ -26,7 +26,7 @@ set(GNOMON_TESTS_DIR "${CMAKE_CURRENT_LIST_DIR}")
 set(GNOMON_TEST_TIME_SCALE 1 CACHE STRING "Factor for the time limits of all tests, for slow machines")
 set(GNOMON_TEST_TIMEOUT_S 600)
 set(GNOMON_COMPILE_TESTS)
-foreach(cases IN ITEMS "" _cut_outs _horizons)
+foreach(cases IN ITEMS "" _cut_outs _cut_outs_without_double _horizons)
   list(APPEND GNOMON_COMPILE_TESTS compile${cases}_for_cpus compile${cases}_for_gpus)
 endforeach()
 # A test program takes longer to compile than to run its own code; the oracle is a library, optimised in every build.

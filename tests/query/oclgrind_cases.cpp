@@ -178,7 +178,7 @@ std::vector<float> truth_of(const Floats& scene, const reference::Masks& masks, 
 
 /// Triangles cut out by textures of all kinds, through the paths that read them: a camera's view, its shadows, prepared
 /// too, many lights, samples, and maps that test alpha. `is_second`: with alphas of corners, and clusters.
-void cut_out(const gnomon::Device& device, bool is_second) {
+void cut_out(const gnomon::Device& device, bool has_double, bool is_second) {
     const Floats scene = soup(30, 1.5f, 4);
     const CutOutData data(mixed_masks(scene.size() / 9, 6, is_second));
     auto triangles = gnomon::Triangles::upload(device, scene, data.cut_outs());
@@ -198,7 +198,7 @@ void cut_out(const gnomon::Device& device, bool is_second) {
             const std::size_t wrong = differences(visibility.read(), truth);
             require(wrong == 0, "cut-outs: " + std::to_string(wrong) + " pixels");
         }
-        technique->set("many-lights", light[3] != 0 ? "one-by-one" : is_second ? "rays" : "beams");
+        technique->set("many-lights", light[3] != 0 ? "one-by-one" : is_second && has_double ? "rays" : "beams");
         const auto bits = gnomon::run_light_table_to_host(*technique, triangles, view.points,
                                                           gnomon::Lights({as_given, as_given}), {.bits = true})
                               .bits;
@@ -208,6 +208,7 @@ void cut_out(const gnomon::Device& device, bool is_second) {
         std::printf("cut-outs: %zu points, %td lit\n", truth.size(), std::ranges::count(truth, 1.0f));
         if (is_second) continue;
         gnomon::run_samples(*technique, triangles, view, as_given, 4, visibility);
+        if (!has_double) continue;  // maps use none
         for (const auto& [name, size] : {std::pair("sub-pixel", "map-size"), std::pair("shadow-map", "size")}) {
             const auto map = gnomon::make_technique(name, device);
             map->set(size, "32");
@@ -244,12 +245,14 @@ void meet_terrain(const gnomon::Device& device, const std::string& way) {
 
 int main(int count, char** arguments) try {
     gnomon::add_rivals();
-    if (count > 1 && arguments[1] == std::string("cut-outs")) {  // programs of their own
-        const gnomon::Device device;
-        for (const bool is_second : {false, true}) cut_out(device, is_second);
+    const std::string cases = count > 1 ? arguments[1] : "";
+    if (cases.starts_with("cut-outs")) {  // programs of their own
+        const bool has_double = cases == "cut-outs";
+        const gnomon::Device device({}, {.hide_fp64 = !has_double});
+        for (const bool is_second : {false, true}) cut_out(device, has_double, is_second);
         return all_right ? 0 : 1;
     }
-    if (count > 1 && arguments[1] == std::string("horizons")) {
+    if (cases == "horizons") {
         for (const char* way : {"horizons", "sweeps"}) meet_terrain(gnomon::Device(), way);
         return all_right ? 0 : 1;
     }
