@@ -52,18 +52,27 @@ std::string bytes_for_people(std::uint64_t bytes) {
 }
 
 ProgressLine::ProgressLine(std::string work, bool shown) : work_(std::move(work)) {
-    if (shown && isatty(STDERR_FILENO) != 0) thread_ = std::jthread([this](std::stop_token stop) { show(stop); });
+    if (!shown) return;
+    const bool has_terminal = isatty(STDERR_FILENO) != 0;
+    thread_ = std::jthread([this, has_terminal](std::stop_token stop) { has_terminal ? show(stop) : tell(stop); });
 }
 
 ProgressLine::~ProgressLine() = default;
 
-void ProgressLine::show(std::stop_token stop) {
+bool ProgressLine::is_stopped_within(std::stop_token stop, int seconds) {
     std::unique_lock lock(mutex_);
-    const auto stopped_within_a_second = [&] {
-        return wake_.wait_for(lock, stop, std::chrono::seconds(1), [&] { return stop.stop_requested(); });
-    };
+    return wake_.wait_for(lock, stop, std::chrono::seconds(seconds), [&] { return stop.stop_requested(); });
+}
+
+void ProgressLine::tell(std::stop_token stop) {
+    int seconds = 2;
+    for (int next = seconds; !is_stopped_within(stop, next); next = seconds, seconds *= 2)
+        std::cerr << fmt::format("gnomon: {} ... {} s\n", work_, seconds) << std::flush;
+}
+
+void ProgressLine::show(std::stop_token stop) {
     int seconds = 0;
-    while (!stopped_within_a_second())
+    while (!is_stopped_within(stop, 1))
         std::cerr << clear_line << "gnomon: " << work_ << " ... " << ++seconds << " s" << std::flush;
     if (seconds > 0) std::cerr << clear_line << std::flush;
 }

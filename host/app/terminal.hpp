@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The output for people. Results go to stdout; warnings, errors and progress to stderr. Progress is one line. It
-// appears only if stderr is a terminal and the work has taken a second, and it is removed when the work ends.
+// The output for people. Results go to stdout; warnings, errors and progress to stderr. On a terminal progress is one
+// line, which appears once the work has taken a second and is removed when the work ends. Elsewhere, as in a pipe, it
+// is a line after 2, 4, 8 ... seconds.
 #pragma once
 
 #include <condition_variable>
@@ -32,7 +33,7 @@ std::string bytes_for_people(std::uint64_t bytes);
 /// Shows "gnomon: WORK ... 3 s" for the lifetime of the object.
 class ProgressLine {
 public:
-    /// Does nothing at all if `shown` is false or stderr is no terminal.
+    /// Does nothing at all if `shown` is false.
     ProgressLine(std::string work, bool shown);
     ~ProgressLine();
     ProgressLine(const ProgressLine&) = delete;
@@ -40,6 +41,8 @@ public:
 
 private:
     void show(std::stop_token stop);
+    void tell(std::stop_token stop);
+    bool is_stopped_within(std::stop_token stop, int seconds);
 
     std::string work_;
     std::mutex mutex_;
