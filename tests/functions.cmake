@@ -116,6 +116,6 @@ function(gnomon_oclgrind_test name)
   if(TARGET ${program})
     set(program "$<TARGET_FILE:${program}>")
   endif()
-  gnomon_check(${name} TIMEOUT 1200 LABELS oclgrind
+  gnomon_check(${name} TIMEOUT 1200 LABELS oclgrind exhaustive
                COMMAND "${GNOMON_TESTS_DIR}/build/under_oclgrind.sh" "${GNOMON_OCLGRIND}" "${program}" ${arg_COMMAND})
 endfunction()

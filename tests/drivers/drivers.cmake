@@ -79,6 +79,9 @@ gnomon_refused_lie(local_8_kib type=gpu,local_memory=8192 "cannot be used: it la
 gnomon_refused_lie(lost_launch lost=6 "after a command that the device did not complete, failed with CL_EXEC_STATUS")
 gnomon_refused_lie(lost_launch_of_a_gpu type=gpu,lost=12 "after a command that the device did not complete, failed")
 # (On a CPU the first calls may be those that measure whether binaries are worth keeping; their failure does not matter.)
+if(TEST lie_lost_launch_of_a_gpu)  # its kernels are compiled anew
+  set_property(TEST lie_lost_launch_of_a_gpu APPEND PROPERTY LABELS exhaustive)
+endif()
 gnomon_refused_lie(refused_launch type=gpu,fail=EnqueueNDRangeKernel:1:-5 "out of device memory: launching kernel .*CL_OUT_OF_RES")
 gnomon_refused_lie(refused_launch_of_a_gpu type=gpu,fail=EnqueueNDRangeKernel:3:-54
                    "launching kernel .*CL_INVALID_WORK_GROUP_SIZE")

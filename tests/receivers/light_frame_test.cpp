@@ -139,7 +139,7 @@ TEST(LightFrame, EqualsReference) {
 }
 
 // The largest grid there is: rounding is a greater part of a texel.
-TEST(LightFrame, EqualsReferenceInLargeGrids) {
+TEST(LightFrame, EqualsReferenceInLargeGridsExhaustive) {
     const gnomon::Device device = device_with();
     Largest largest;
     const std::vector<LightScene> all = clouds();
