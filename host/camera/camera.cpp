@@ -157,7 +157,7 @@ void CameraStage::make_lists(Statistics& statistics, bool orders_runs) {
     in.settings.orders_runs = orders_runs;
     lists_.run(session_, statistics, in, triangles_, counters_);
     if (session_.lanes() != 1) return;
-    // A list of n entries has fewer than 2 n / long_list_ chunks. Room for the least limit: a like look takes no more.
+    // A list of n entries has fewer than 2 n / long_list_ chunks. There is room for the least limit from the start.
     chunks_.reserve(session_, (2 * std::size_t(bins().entry_capacity()) / MIN_LONG_LIST + 1) * sizeof(ListChunk));
     cl::StageTimer timer(session_, statistics, "camera_bins");
     session_.launch(triangles_.kernel("camera/camera.cl", "camera_chunks"), cl::Range::items(in.bin_count),

@@ -22,9 +22,9 @@ namespace {
 
 // On a CPU two programs have the kernels of every picture: PoCL takes .1 to .2 s to begin with a program, since it
 // reads OpenCL's headers anew, and .05 s to find a compiled program in its cache; and it makes code of those kernels of
-// a program alone that are launched. The first has a variant for cut-outs, the second is the same with them: Sponza's
-// first start takes as long as with one program, that of leaves.glb .78 of it. A GPU's compiler compiles all kernels at
-// once.
+// a program alone that are launched. Only the first has a variant for cut-outs, so that a scene with cut-outs does not
+// build the second twice: a first start with leaves.glb takes .78 of that with one program. A GPU's compiler compiles
+// all kernels at once.
 constexpr const char* occluder_program = "{occluders,camera,trace}/*.cl";
 const std::map<std::string, std::vector<std::string>> joint_programs = {
     {occluder_program,
