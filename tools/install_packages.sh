@@ -36,6 +36,7 @@ ci_packages=(
     spin                           # explores the orders of steps of tests/protocols
     rustc                          # docs/embedding.md's program in Rust (55 MB)
     doxygen                        # the pages of gnomon.h and gnomon.hpp (tools/api_pages.sh)
+    shellcheck                     # the scripts' quotes and expansions
     clang-format-14                # one formatter version, or the check would depend on the machine
 )
 

@@ -20,7 +20,7 @@ case $what in
     default | quick | --ci) ;;
     *)
         if [ $# -ne 1 ] || ! labels | grep -qx -- "$what"; then
-            echo "usage: $0 [quick | --ci | WING], where WING is one of:" $(labels) >&2
+            echo "usage: $0 [quick | --ci | WING], where WING is one of: $(labels | xargs)" >&2
             exit 2
         fi
         ;;
@@ -70,7 +70,7 @@ case $what in
         run_tests build --label-exclude exhaustive
         step "Left to 'tools/test.sh --ci'"
         ctest --test-dir build --show-only --label-regex exhaustive | grep -c '  Test ' |
-            sed 's/$/ exhaustive tests (oclgrind's and Coq's are); sanitizers, fuzzers, Python package, other drivers/'
+            sed 's/$/ exhaustive tests (of oclgrind and Coq, too); sanitizers, fuzzers, Python package, other drivers/'
         exit
         ;;
     --ci) ;;
@@ -89,6 +89,7 @@ step "Packages"
 tools/install_packages.sh ci
 step "Format and layout"
 git ls-files -z '*.c' '*.cpp' '*.hpp' '*.h' '*.clh' '*.cl' | xargs -0 clang-format-14 --dry-run --Werror
+git grep -lz '^#!/bin/bash' -- tools .ci tests scenes docs | xargs -0 shellcheck --severity warning
 tools/check_layout.sh
 step "Release build and picture"
 configure_release -D GNOMON_WERROR=ON

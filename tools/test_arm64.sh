@@ -76,7 +76,7 @@ sources=$(find kernels tests/golden tests/exact -type f -print0 | sort -z | xarg
 # each_of PROGRAM [FILTER]: the program's tests, one at a time. A test that has passed is remembered until the program, a
 # kernel or an expected value changes, so a run that was stopped goes on where it was.
 each_of() {
-    local program=$1 suite= tests test name remembered begun
+    local program=$1 suite='' tests test name remembered begun
     tests=$(emulated "$program" --gtest_list_tests --gtest_filter="${2:-*}" | grep -E '^ |[.]( |$)' | sed 's/ *#.*//')
     while IFS= read -r test; do
         [[ $test == " "* ]] || { suite=$test; continue; }

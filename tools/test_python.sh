@@ -32,7 +32,7 @@ lines_of_pip docs/python.md | grep -qxF "$(lines_of_pip README.md)"
 pip() { "${pip[@]}" "$@" "${shared[@]}"; }
 eval "$(lines_of_pip docs/python.md)"
 unset -f pip
-"${pip[@]}" install "$wheel[pocl,test,study,weather]" pdoc
+"${pip[@]}" install "${wheel}[pocl,test,study,weather]" pdoc
 ls -l "$wheel"
 if command -v doxygen >/dev/null; then tools/api_pages.sh "$build/venv/bin/python"; fi
 

@@ -5,7 +5,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 build=$(realpath -m "${1:-build}")
-tools=build-view/venv
+tools="build-view/venv"
 
 [ -x "$tools/bin/python" ] || python3 -m venv "$tools"
 if ! "$tools/bin/pip" install --disable-pip-version-check --quiet pytest pillow selenium; then
