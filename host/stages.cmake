@@ -44,9 +44,8 @@ gnomon_wing(cl description embedded_files environment forks opencl program sessi
 gnomon_wing(simd frame_counters lanes points point_blocks projection triangle_blocks)
 gnomon_wing(exact wide soft_double accumulator det3 det3_lanes blocks cut_outs cut_outs_exact decide_pair normal_side predicates small_cases self_check)
 gnomon_wing(lists append fill group_scan scan shares sort morton whole_to_float)
-gnomon_wing(query device errors inputs light_and_camera parts settings_table statistics variants
+gnomon_wing(query device errors inputs raster_triangles light_and_camera parts settings_table statistics variants
             library faults regressions leaves waits)
-gnomon_wing(lattice world_lattice world_lattice_mesh)
 
 # Lists: one light at a time, by rasterizing.
 gnomon_wing(receivers frame_grid light_frame footprint block_bounds facing facing_cache facing_bounds facing_blocks
@@ -64,17 +63,18 @@ gnomon_wing(prepared prepared_light unshadowed_triangles prepared_facing prepare
 gnomon_wing(lights lights light_bundle light_bundles position_bundles light_sides light_sums point_order many_lights
             lights_method)
 gnomon_wing(horizons height_field strip_triangle strip_walk horizons raster sweep_rays sweeps)
-gnomon_wing(bvh binary_tree wide_bvh)
-gnomon_wing(beams beam beam_lanes beam_sides point_light_planes beam_intersect beam_walk point_beam)
+gnomon_wing(bvh binary_tree wide_bvh raster_bvh)
+gnomon_wing(beams beam beam_lanes bvh_leaf beam_sides point_light_planes beam_intersect beam_walk point_beam)
 gnomon_wing(packets parallel_packets converging_packets ray_packets)
-gnomon_wing(light_tables light_masks beam_trace point_beam_trace method_costs light_tables)
+gnomon_wing(light_tables light_masks beam_trace point_beam_trace method_costs light_tables implicit_rasters)
 
 # The technique that chooses between both, by its name and through the C interface.
 gnomon_wing(technique technique frustum_traced small_cells)
-gnomon_wing(c c_interface c_interface_lattice c_interface_lights c_interface_results c_interface_runs
+gnomon_wing(c c_interface c_interface_lights c_interface_results c_interface_runs
             nothing_grows)
 
 # Libraries of their own (host/CMakeLists.txt), which the core does not know.
+gnomon_wing(lattice world_lattice world_lattice_mesh c_interface_lattice)
 gnomon_wing(samples samples fragments pixel_masks_gpu samples_masks_gpu open_samples samples_filter footprints coverage_masks
             sample_points find_receivers_gpu clearance classify_footprints c_interface_samples)
 gnomon_wing(shading texture mip_levels appearance surface metering shade picture_mean received_light c_interface_shading)

@@ -132,7 +132,7 @@ lines_of "$kernel_or_host.*$source" | awk -v table="$budgets" '
         sub(/\.hpp$/, "", parts[n])
         return parts[2] == "include" && !is_core(parts[n]) ? parts[n] : n > 2 ? parts[2] : "root"
     }
-    function is_core(wing) { return wing !~ /^(app|measure|python|rivals|samples|scene|shading|sight)$/ }
+    function is_core(wing) { return wing !~ /^(app|lattice|measure|python|rivals|samples|scene|shading|sight)$/ }
     { wing = wing_of($2); lines[wing] += $1; if (is_core(wing)) lines["core"] += $1 }
     END {
         while ((getline line < table) > 0)

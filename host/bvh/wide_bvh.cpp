@@ -14,6 +14,10 @@ constexpr std::uint32_t fewest_triangles_of_leaf = 4;
 }  // namespace
 
 WideBvh::WideBvh(const Device& device, const Triangles& given) : device_(device), triangles_(given) {
+    if (const ImplicitRaster* raster = Internals::raster(given)) {
+        build_over(*raster);
+        return;
+    }
     const TriangleInputs triangles = triangle_inputs(given);
     cl::Session& session = session_of(device_);
     const TriangleCurve curve(session, triangles);

@@ -10,6 +10,9 @@
 
 namespace gnomon {
 
+/// Of a launch that walks a BVH, on a GPU.
+inline constexpr std::size_t most_bvh_groups = 65536;
+
 class WideBvh {
 public:
     /// Builds the BVH over at least one triangle.
@@ -23,6 +26,8 @@ public:
     /// The first node of each level, from the root down, and the number of all nodes.
     const std::vector<std::uint32_t>& levels() const { return levels_; }
     std::uint32_t leaf_count() const { return leaf_count_; }
+    /// Of a launch that walks the tree: over an implicit raster each has a slot among the leaves.
+    std::size_t max_groups() const { return max_groups_; }
     /// The largest magnitude of a coordinate. Above BVH_MAX_COORDINATE there is no BVH.
     float largest_coordinate() const { return largest_coordinate_; }
 
@@ -30,6 +35,7 @@ private:
     struct Made {
         std::uint32_t nodes, leaves, levels;
     };
+    void build_over(const ImplicitRaster& raster);  ///< raster_bvh.cpp
     bool build(const TriangleInputs& triangles, const TriangleCurve& curve, bool is_balanced);
     Made make_nodes(WideBvhParams params, const TriangleCurve& curve, const BinaryTree& binary,
                     const cl::Buffer& leaf_roots);
@@ -41,6 +47,7 @@ private:
     cl::Buffer leaves_, nodes_, ids_;
     std::vector<std::uint32_t> levels_{0, 1};
     std::uint32_t leaf_count_ = 0;
+    std::size_t max_groups_ = most_bvh_groups;
     float largest_coordinate_ = 0;
 };
 
@@ -50,8 +57,7 @@ inline std::uint32_t bvh_width(const cl::Session& session) {
 }
 /// The range of a kernel that runs BEAM_FOR_EACH over `tasks`, whose lengths differ: work-items on a CPU, groups on a
 /// GPU.
-inline cl::Range bvh_range(const cl::Session& session, std::size_t tasks) {
-    constexpr std::size_t max_groups = 65536;
+inline cl::Range bvh_range(const cl::Session& session, std::size_t tasks, std::size_t max_groups = most_bvh_groups) {
     return session.is_cpu() ? cl::Range::shares(tasks)
                             : cl::Range::groups_of(bvh_width(session), std::min(tasks, max_groups));
 }

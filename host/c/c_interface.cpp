@@ -307,6 +307,16 @@ gnomon_status gnomon_triangles_wrap(const gnomon_device* device, cl_mem vertices
                 [&](const Device& on) { return Triangles::wrap(on, vertices, count, first_float); });
 }
 
+gnomon_status gnomon_triangles_raster(const gnomon_device* device, const float* x, size_t columns, const float* y,
+                                      size_t rows, const float* heights, bool joins_first_corner,
+                                      gnomon_triangles** triangles_out) {
+    return made(device, triangles_out, "triangles_out", [&](const Device& on) {
+        const auto all_heights = array(heights, rows, columns, "heights");
+        return Triangles::raster(on,
+                                 {array(x, columns, 1, "x"), array(y, rows, 1, "y"), all_heights, joins_first_corner});
+    });
+}
+
 void gnomon_triangles_destroy(gnomon_triangles* triangles) { delete triangles; }
 
 gnomon_status gnomon_triangles_upload_cut_outs(const gnomon_device* device, const float* vertices, size_t count,

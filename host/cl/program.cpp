@@ -185,7 +185,8 @@ std::string macros_of(const ProgramFlags& flags) {
                                                    {flags.small_groups, " SAMPLES_SMALL_GROUPS"},
                                                    {flags.stored_map, " LOOKUP_STORED"},
                                                    {flags.point_lights, " GN_POINT_LIGHTS"},
-                                                   {flags.cut_outs, " GN_CUT_OUTS"}};
+                                                   {flags.cut_outs, " GN_CUT_OUTS"},
+                                                   {flags.raster, " GN_RASTER"}};
     std::string text;
     for (const auto& [is_set, macro] : macros)
         if (is_set) text += macro;

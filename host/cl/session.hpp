@@ -85,6 +85,7 @@ struct ProgramFlags {
     bool stored_map = false;        ///< a shadow map stores other quantities than depths
     bool point_lights = false;      ///< the lights of bundles have positions
     bool cut_outs = false;          ///< triangles may be masked or clear
+    bool raster = false;            ///< the triangles are an implicit raster
     bool operator==(const ProgramFlags&) const = default;
 };
 

@@ -7,6 +7,7 @@
 #include "kernels/horizons/height_field.h"
 #include "lists/morton.hpp"
 #include "occluders/clusters.hpp"
+#include "query/raster_triangles.hpp"
 
 namespace gnomon {
 namespace {
@@ -45,8 +46,9 @@ std::array<std::uint32_t, 2> sides_near(double wanted_columns, double wanted_row
 
 BuiltRaster::BuiltRaster(const Device& device, const Triangles& triangles) : device_(device), triangles_(triangles) {
     if (triangles.count() < 2 || has_cut_outs(triangles)) return;
-    params_.triangles = triangle_inputs(triangles);
-    if (set_places() && find_vertices()) measure();
+    params_.triangles = implicit_inputs(triangles);
+    const ImplicitRaster* implicit = Internals::raster(triangles);
+    if (implicit != nullptr ? take(*implicit) : set_places() && find_vertices()) measure();
     if (is_raster() && unevenness_ <= largest_unevenness) {
         copy_heights();
     } else {
@@ -111,6 +113,36 @@ bool BuiltRaster::find_vertices() {
     if (is_raster() && copies_.has_holes != 0)
         session.launch(file, "raster_fill", cl::Range::items(params_.columns), params_, heights_);
     return is_raster();
+}
+
+// What set_places() and find_vertices() find.
+bool BuiltRaster::take(const ImplicitRaster& implicit) {
+    const bool is_small = std::max(implicit.columns(), implicit.rows()) < MAX_RASTER_SIDE;
+    if (!is_small || !(implicit.largest_coordinate() <= FIELD_LARGEST_COORDINATE)) return false;
+    params_.axis = 2;
+    params_.columns = implicit.columns();
+    params_.rows = implicit.rows();
+    const std::size_t counts[2] = {params_.columns, params_.rows};
+    for (int c = 0; c < 2; ++c) {
+        params_.corner[c] = implicit.low()[c];
+        spacing_[c] = (double(implicit.high()[c]) - double(implicit.low()[c])) / double(counts[c] - 1);
+        params_.per_length[c] = float(1 / spacing_[c]);
+    }
+    copies_.lowest = implicit.low()[2];
+    highest_ = double(implicit.high()[2]) - double(implicit.low()[2]);
+    copies_.has_holes = implicit.has_holes() ? 1 : 0;
+    if (!(highest_ >= 0)) return false;
+    diagonals_ = implicit.is_rising() ? RASTER_RISES : RASTER_FALLS;
+    cl::Session& session = session_of(device_);
+    x_.reserve(session, params_.columns * sizeof(float));
+    y_.reserve(session, params_.rows * sizeof(float));
+    heights_.reserve(session, vertex_count() * sizeof(float));
+    session.reserve_filled(squares_, 0, vertex_count() * sizeof(cl_uint));
+    session.launch(file, "raster_of_implicit", cl::Range::items(vertex_count()), params_, implicit.memory(), x_, y_,
+                   heights_, squares_);
+    if (copies_.has_holes != 0)
+        session.launch(file, "raster_fill", cl::Range::items(params_.columns), params_, heights_);
+    return true;
 }
 
 void BuiltRaster::measure() {

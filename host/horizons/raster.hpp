@@ -37,6 +37,7 @@ public:
     double unevenness() const { return unevenness_; }
 
 private:
+    bool take(const ImplicitRaster& implicit);
     bool set_places();
     bool find_vertices();
     void measure();

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "kernels/horizons/height_field.h"
+#include "query/raster_triangles.hpp"
 
 namespace gnomon {
 namespace {
@@ -156,8 +157,10 @@ RasterPoints points_on(const BuiltRaster& raster, const LightsRun& run, const So
     at.vertices.reserve(session, (count + 16) * sizeof(cl_uint));
     cl::Buffer found;
     session.reserve_filled(found, 0, sizeof(cl_uint));
-    session.launch(file, "sweep_vertices", cl::Range::items(count), raster.params(), sorted.part(0, count),
-                   triangle_inputs(run.triangles).vertices, raster.x(), raster.y(), raster.heights(),
+    const TriangleInputs triangles = implicit_inputs(run.triangles);
+    const bool reads_raster = triangles.is_raster && run.points.receivers() != nullptr;
+    session.launch({file, "sweep_vertices", {.raster = reads_raster}}, cl::Range::items(count), raster.params(),
+                   sorted.part(0, count), triangles.vertices, raster.x(), raster.y(), raster.heights(),
                    sorted.positions(), sorted.receivers(), at.vertices, found);
     at.count = session.read_value<cl_uint>(found);
     return at;

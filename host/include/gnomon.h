@@ -43,6 +43,7 @@
 //   gnomon_device_finish                     always
 //   gnomon_triangles_upload                  always
 //   gnomon_triangles_wrap                    never
+//   gnomon_triangles_raster                  always
 //   gnomon_triangles_upload_cut_outs         always
 //   gnomon_triangles_copy_cut_outs           always
 //   gnomon_triangles_keep_clusters           always
@@ -169,7 +170,7 @@ typedef struct gnomon_point_layout {
 /// float64 coordinates as float32 without loss: each is snapped once to a whole number of steps of 2^exponent,
 /// floor(x / step + 1/2), and stored as its distance from the origin, which is given in steps. One scene, cut into
 /// tiles with origins of their own, gives the same bits as a whole (docs/numerics.md, 13). A point light is snapped
-/// too.
+/// too. The functions are in the library gnomon_full, not in gnomon.
 typedef struct gnomon_world_lattice {
     int64_t origin[3];
     int32_t exponent;  ///< from -100 to 100
@@ -347,6 +348,15 @@ gnomon_status gnomon_triangles_share(const gnomon_device* device, const float* v
 /// a run. Fails if the buffer is smaller or belongs to another context.
 gnomon_status gnomon_triangles_wrap(const gnomon_device* device, cl_mem vertices, size_t count, size_t first_float,
                                     gnomon_triangles** triangles_out);
+/// Copies a raster to the device, 4 bytes for each vertex. z is the height: vertex (row, column) stands at (x[column],
+/// y[row], heights[row * columns + column]); x and y rise, or fall, from each value to the next, two or more each.
+/// Square q = row * (columns - 1) + column has the triangles 2 q and 2 q + 1, which meet along the diagonal from (row,
+/// column) to (row + 1, column + 1) if `joins_first_corner`, else along the other one. A table of lights is decided
+/// without writing them out; what that saves, and which triangles these are, gnomon/inputs.hpp says (Raster).
+/// Experimental.
+gnomon_status gnomon_triangles_raster(const gnomon_device* device, const float* x, size_t columns, const float* y,
+                                      size_t rows, const float* heights, bool joins_first_corner,
+                                      gnomon_triangles** triangles_out);
 void gnomon_triangles_destroy(gnomon_triangles* triangles);
 
 // Cut-outs: triangles with holes, by the alpha of a texture. All is decided exactly (docs/numerics.md, 15).

@@ -40,6 +40,7 @@
 //   Triangles::upload                always
 //   Triangles::copy                  always
 //   Triangles::wrap                  never
+//   Triangles::raster                always
 //   Triangles::keep_clusters         always
 //   Points::upload                   always
 //   Points::wrap                     never

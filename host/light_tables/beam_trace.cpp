@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "light_tables/beam_trace.hpp"
 
+#include "query/raster_triangles.hpp"
+
 namespace gnomon {
 namespace {
 
@@ -80,12 +82,13 @@ void BeamPasses::decide(const PointPart& part) {
 }
 
 void BeamPasses::launch(const BeamParams& params, std::size_t tasks, const char* kernel) {
-    const TriangleInputs triangles = triangle_inputs(run_.triangles);
+    const TriangleInputs triangles = implicit_inputs(run_.triangles);
     const SortedPoints& points = run_.sorted;
     const std::string file = "light_tables/" + std::string(kernel) + ".cl";
     session_.launch(triangles.kernel_of_lights(file.c_str(), kernel, masks_.are_positions()),
-                    bvh_range(session_, tasks), params, masks_.bundles(), run_.tree.nodes(), run_.tree.leaves(),
-                    run_.tree.ids(), points.positions(), points.receivers(),
+                    bvh_range(session_, tasks, run_.tree.max_groups()), params, masks_.bundles(), run_.tree.nodes(),
+                    run_.tree.leaves(), triangles.is_raster ? triangles.vertices : run_.tree.ids().get(),
+                    points.positions(), points.receivers(),
                     horizons_ ? masks_.for_horizons().begins : points.surface_normals(), masks_.masks(), masks_.queue(),
                     masks_.counters(), cl::LocalBytes{BEAM_LOCAL_WORDS * sizeof(cl_uint)});
 }

@@ -2,6 +2,7 @@
 #include "light_tables/light_masks.hpp"
 
 #include "kernels/lights/light_sides.h"
+#include "query/raster_triangles.hpp"
 
 namespace gnomon {
 namespace {
@@ -59,14 +60,14 @@ cl_uint LightMasks::side() const {
 
 void LightMasks::face(const PointPart& part) {
     const cl::StageTimer timer(session_, statistics_, "light_sides");
-    const TriangleInputs triangles = triangle_inputs(run_.triangles);
+    const TriangleInputs triangles = implicit_inputs(run_.triangles);
     const LightSidesParams params{.triangles = triangles,
                                   .points = run_.sorted.part(part.first, part.count),
                                   .bundle_count = bundle_count_,
                                   .mask_stride = static_cast<cl_uint>(max_points_),
                                   .side = side(),
                                   .padding = 0};
-    session_.launch({"lights/light_sides.cl", "light_sides", {.point_lights = are_positions_}},
+    session_.launch(triangles.kernel_of_lights("lights/light_sides.cl", "light_sides", are_positions_),
                     session_.blocks(part.count), params, bundles_, triangles.vertices, run_.sorted.positions(),
                     run_.sorted.receivers(), run_.sorted.normals(), masks_);
 }
@@ -90,7 +91,7 @@ void LightMasks::add_to(LightSums& sums, const PointPart& part, std::uint32_t fi
 
 BeamParams LightMasks::params_of(const PointPart& part) const {
     const float factor = are_positions_ ? BEAM_ROUNDING_OF_POSITIONS : BEAM_ROUNDING;
-    return {.triangles = triangle_inputs(run_.triangles),
+    return {.triangles = implicit_inputs(run_.triangles),
             .points = run_.sorted.part(part.first, part.count),
             .bundle_count = bundle_count_,
             .mask_stride = static_cast<cl_uint>(max_points_),
@@ -103,7 +104,7 @@ BeamParams LightMasks::params_of(const PointPart& part) const {
 }
 
 void LightMasks::decide_queue(const PointPart& part) {
-    const TriangleInputs triangles = triangle_inputs(run_.triangles);
+    const TriangleInputs triangles = implicit_inputs(run_.triangles);
     session_.launch(triangles.kernel_of_lights("light_tables/beam_trace.cl", "beam_exact", are_positions_),
                     cl::Range::items(capacity()), params_of(part), bundles_, triangles.vertices,
                     run_.sorted.positions(), queue_, masks_, counters_);

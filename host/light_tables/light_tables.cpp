@@ -22,15 +22,23 @@ const char* missing_for_tree(const BvhRun& run) {
                           ": use many-lights=auto");
 }
 
+// What is built over triangles is kept as long as the caller keeps their clusters, since the caller promised not to
+// write the vertices for that time. An implicit raster never changes.
+const void* kept_id(const Triangles& triangles) {
+    const void* raster = Internals::raster(triangles);
+    return raster != nullptr ? raster : Internals::clusters(triangles);
+}
+
 LightsTraits traits_of(const LightsRun& run, const Triangles& given, bool can_be_bundled) {
     return {.is_cpu = session_of(run.device).is_cpu(),
             .points = run.points.count(),
             .lights = run.lights.count(),
             .triangles = run.triangles.count(),
             .is_picture = run.points.camera().has_value(),
-            .keeps_clusters = Internals::clusters(given) != nullptr,
+            .keeps_clusters = kept_id(given) != nullptr,
             .can_be_bundled = can_be_bundled,
-            .are_point_lights = !run.lights.lights().front().is_directional()};
+            .are_point_lights = !run.lights.lights().front().is_directional(),
+            .is_implicit = Internals::raster(given) != nullptr};
 }
 
 void describe_bundles(LightsTraits& traits, const TableRun& table) {
@@ -135,12 +143,10 @@ void LightTables::decide(TableRun& table, LightsMethod method, bool is_automatic
     }
 }
 
-// The BVH is kept as long as the caller keeps the clusters of the same triangles, since the caller promised not to
-// write the vertices for that time.
 template <typename Built>
 const Built& LightTables::kept_of(std::unique_ptr<Built>& kept, const Triangles& triangles) {
-    const Clusters* clusters = Internals::clusters(triangles);
-    if (kept && clusters != nullptr && clusters == Internals::clusters(kept->triangles())) return *kept;
+    const void* id = kept_id(triangles);
+    if (kept && id != nullptr && id == kept_id(kept->triangles())) return *kept;
     const MeasuredRun built(session_, kept_bytes_);
     methods_.clear();
     kept.reset();

@@ -45,7 +45,7 @@ bool serve_sweeps(const LightsTraits& traits) {
 // On a GPU one light at a time was the fastest for the points of some pictures, seldom for other points. Other points
 // are measured only where the next runs can use the choice.
 bool may_take_single_lights(const LightsTraits& traits) {
-    return pairs_of(traits) >= tuning.min_single_light_pairs &&
+    return !traits.is_implicit && pairs_of(traits) >= tuning.min_single_light_pairs &&
            traits.lights < (traits.is_cpu ? tuning.cpu_many_lights : tuning.gpu_many_lights) &&
            (traits.is_picture || (!traits.is_cpu && traits.keeps_clusters));
 }
@@ -59,7 +59,7 @@ std::optional<LightsMethod> method_by_rule(const LightsTraits& traits) {
     if (traits.is_cpu) return {};
     if (traits.is_height_field) return LightsMethod::horizons;
     if (are_thin(traits)) return LightsMethod::beams;
-    if (traits.are_point_lights)
+    if (traits.are_point_lights && !traits.is_implicit)
         return traits.points < tuning.gpu_points_of_single_lights ? LightsMethod::beams : LightsMethod::one_by_one;
     if (!may_take_single_lights(traits)) return LightsMethod::beams;
     return {};
@@ -68,7 +68,7 @@ std::optional<LightsMethod> method_by_rule(const LightsTraits& traits) {
 }  // namespace
 
 bool wants_tree(const LightsTraits& traits) {
-    if (traits.lights >= tuning.min_shared_lights) return true;
+    if (traits.lights >= tuning.min_shared_lights || traits.is_implicit) return true;
     return traits.is_cpu && traits.keeps_clusters && !traits.is_picture &&
            pairs_of(traits) >= traits.triangles / tuning.cpu_triangles_per_pair;
 }
@@ -81,7 +81,7 @@ bool wants_raster(const LightsTraits& traits) {
 
 // On a GPU horizons are never the fastest for the points of pictures.
 bool wants_height_field(const LightsTraits& traits) {
-    if (serve_sweeps(traits)) return false;
+    if (serve_sweeps(traits) || traits.is_implicit) return false;
     if (are_scattered(traits) && traits.lights < tuning.cpu_sector_lights) return false;
     return are_worth_measuring(traits) && !traits.are_point_lights && (traits.is_cpu || !traits.is_picture) &&
            pairs_of(traits) >= tuning.min_field_pairs_per_triangle * traits.triangles;

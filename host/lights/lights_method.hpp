@@ -99,6 +99,7 @@ struct LightsTraits {
     bool keeps_clusters = false;    ///< the caller keeps the triangles' clusters, so that later runs can use a choice
     bool can_be_bundled = true;     ///< the lights are of one kind, and all coordinates are in the filter's range
     bool are_point_lights = false;  ///< else they are directional
+    bool is_implicit = false;       ///< the triangles are an implicit raster, which one light at a time would write out
     bool is_height_field = false;   ///< set where wants_height_field()
     /// Set where wants_raster(), if there is one: its vertices, and the points that are at some of them.
     std::size_t raster_vertices = 0, points_at_vertices = 0;

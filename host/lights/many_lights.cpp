@@ -66,8 +66,8 @@ void require_lights_run(const LightsRun& run) {
 
 Triangles with_clusters(const Device& device, const Triangles& triangles) {
     Triangles clustered = triangles;
-    if (Internals::clusters(triangles) == nullptr && triangles.count() >= triangles_worth_clusters)
-        clustered.keep_clusters(device);
+    const bool has_none = Internals::clusters(triangles) == nullptr && Internals::raster(triangles) == nullptr;
+    if (has_none && triangles.count() >= triangles_worth_clusters) clustered.keep_clusters(device);
     return clustered;
 }
 

@@ -8,6 +8,7 @@
 #include "lights/many_lights.hpp"
 #include "lists/morton.hpp"
 #include "lists/sort.hpp"
+#include "query/raster_triangles.hpp"
 
 namespace gnomon {
 namespace {
@@ -28,10 +29,12 @@ struct SortedPoints::Inputs {
     PointInputs points;
     cl_mem vertices, normals;  ///< normals: any buffer if there are none
     PointOrderParams params{};
+    cl::ProgramFlags flags{};  ///< of kernels that read triangles
 
     explicit Inputs(const LightsRun& run)
         : session(session_of(run.device)), points(point_inputs(run.points)), normals(run.options.normals) {
-        const TriangleInputs triangles = triangle_inputs(run.triangles);
+        const TriangleInputs triangles = implicit_inputs(run.triangles);
+        flags.raster = triangles.is_raster && points.layout.has_receivers != 0;
         vertices = triangles.vertices;
         params.triangles = triangles;
         params.points = params.normals = points.layout;
@@ -87,7 +90,7 @@ void SortedPoints::gather(Inputs& in) {
     normals_.reserve(in.session, in.params.has_normals != 0 ? 3 * words + room : 0);
     surface_normals_.reserve(in.session, 3 * words + room);
     in.params.points.count = layout_.count;
-    in.session.launch(file, "point_gather", cl::Range::items(layout_.count), in.params, in.vertices,
+    in.session.launch({file, "point_gather", in.flags}, cl::Range::items(layout_.count), in.params, in.vertices,
                       in.points.positions, in.points.receivers, in.normals, order_, positions_, receivers_, normals_,
                       surface_normals_);
 }
@@ -102,8 +105,8 @@ void SortedPoints::sort(const Inputs& in) {
         return;
     }
     cl::Buffer low(session, words), high(session, words), sorted_high(session, words);
-    session.launch(file, "point_codes", cl::Range::items(count), in.params, in.vertices, in.points.positions,
-                   in.points.receivers, in.normals, low, high, order_);
+    session.launch({file, "point_codes", in.flags}, cl::Range::items(count), in.params, in.vertices,
+                   in.points.positions, in.points.receivers, in.normals, low, high, order_);
     Sort sort;
     // The sort keeps the order of equal keys. For few points the upper half is enough.
     if (count > 16u << 2 * POINT_CODE_BITS) {

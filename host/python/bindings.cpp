@@ -231,6 +231,13 @@ void bind_inputs(nb::module_& m) {
                 return Triangles::wrap(device, handle_of<cl_mem>(memory), count, first_float);
             },
             Released())
+        .def_static(
+            "raster",
+            [](const gnomon::Device& device, const Floats& x, const Floats& y, const Floats& heights,
+               bool joins_first_corner) {
+                return Triangles::raster(device, {span_of(x), span_of(y), span_of(heights), joins_first_corner});
+            },
+            Released())
         .def("keep_clusters", &Triangles::keep_clusters, Released())
         .def("__len__", &Triangles::count)
         .def_prop_ro("buffer", [](const Triangles& t) { return reinterpret_cast<std::uintptr_t>(t.buffer()); });

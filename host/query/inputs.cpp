@@ -10,6 +10,7 @@
 
 #include "cl/opencl.hpp"
 #include "exact/cut_outs.hpp"
+#include "query/raster_triangles.hpp"
 #include "query/vectors.hpp"
 
 namespace gnomon {
@@ -203,11 +204,13 @@ Triangles Triangles::wrap(const Device& device, cl_mem vertices, std::size_t cou
     return triangles;
 }
 
-cl_mem Triangles::buffer() const { return static_cast<cl_mem>(buffer_.get()); }
+cl_mem Triangles::buffer() const {
+    return raster_ != nullptr ? raster_->vertices() : static_cast<cl_mem>(buffer_.get());
+}
 
 bool Triangles::is_same_as(const Triangles& other) const {
-    return buffer_ == other.buffer_ && first_float_ == other.first_float_ && count_ == other.count_ &&
-           has_cut_outs(*this) == has_cut_outs(other);
+    return buffer_ == other.buffer_ && raster_ == other.raster_ && first_float_ == other.first_float_ &&
+           count_ == other.count_ && has_cut_outs(*this) == has_cut_outs(other);
 }
 
 // ---- Points ---------------------------------------------------------------------------------------------------------
@@ -465,7 +468,8 @@ void require_apart(const Triangles& triangles, const Points& points, cl_mem writ
     const char* what = nullptr;
     if (overlap(extent, extent_of(points.positions(), layout.first, end_of(layout, count)))) what = "positions";
     if (points.receivers() != nullptr && overlap(extent, extent_of(points.receivers(), 0, count))) what = "receivers";
-    if (triangles.count() != 0 && overlap(extent, extent_of(triangles.buffer(), first, first + 9 * triangles.count())))
+    const bool is_wrapped = Internals::raster(triangles) == nullptr && triangles.count() != 0;
+    if (is_wrapped && overlap(extent, extent_of(triangles.buffer(), first, first + 9 * triangles.count())))
         what = "triangles";
     if (what != nullptr)
         throw InvalidArgument("the " + name + " buffer overlaps the " + what +

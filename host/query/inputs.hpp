@@ -38,6 +38,7 @@ struct FansOnDevice {
 struct Internals {
     static cl::Session& session(const Device& device) { return *device.session_; }
     static const Clusters* clusters(const Triangles& triangles) { return triangles.clusters_.get(); }
+    static ImplicitRaster* raster(const Triangles& triangles) { return triangles.raster_.get(); }
     static const std::shared_ptr<void>& receivers(const Points& points) { return points.receivers_; }
     /// Points as a technique takes them: with the eye by which they face, if any.
     static Points seen_from(Points points, const std::optional<Float3>& eye) {
@@ -103,12 +104,15 @@ struct TriangleInputs : TrianglesLayout {
     cl_mem vertices;
     const Clusters* clusters;  ///< null if there are none
     bool has_cut_outs;         ///< behind the vertices (kernels/exact/cut_outs.h)
+    bool is_raster = false;    ///< `vertices` is an implicit raster (implicit_inputs())
 
-    /// A kernel that decides hits on triangles: with cut-outs, of the program that reads them.
-    cl::Kernel kernel(const char* file, const char* name) const { return {file, name, {.cut_outs = has_cut_outs}}; }
+    /// A kernel that decides hits on triangles: of the program that reads cut-outs, or an implicit raster.
+    cl::Kernel kernel(const char* file, const char* name) const {
+        return {file, name, {.cut_outs = has_cut_outs, .raster = is_raster}};
+    }
     /// The same for kernels of many lights, which have a program for point lights.
     cl::Kernel kernel_of_lights(const char* file, const char* name, bool are_positions) const {
-        return {file, name, {.point_lights = are_positions, .cut_outs = has_cut_outs}};
+        return {file, name, {.point_lights = are_positions, .cut_outs = has_cut_outs, .raster = is_raster}};
     }
 };
 TriangleInputs triangle_inputs(const Triangles& triangles);

@@ -61,6 +61,26 @@ __kernel void raster_check(const RasterParams raster, __global const float* vert
     if (what != 0u) atomic_or(found, what);
 }
 
+// The same of an implicit raster, with columns and rows in rising order.
+__kernel void raster_of_implicit(const RasterParams raster, __global const float* implicit, __global float* x,
+                                 __global float* y, __global float* heights, __global uint* squares) {
+    bool x_falls = raster_vertex(implicit, 0u, 1u, 0u).x < raster_vertex(implicit, 0u, 0u, 0u).x;
+    bool y_falls = raster_vertex(implicit, 1u, 0u, 0u).y < raster_vertex(implicit, 0u, 0u, 0u).y;
+    GN_FOR_EACH(i, raster.columns * (size_t)raster.rows) {
+        uint column = (uint)(i / raster.rows), row = (uint)(i % raster.rows);
+        uint at_column = x_falls ? raster.columns - 1u - column : column,
+             at_row = y_falls ? raster.rows - 1u - row : row;
+        float3 p = raster_vertex(implicit, at_row, at_column, 0u);
+        x[column] = p.x;
+        y[row] = p.y;
+        heights[i] = GN_FINITE(p.z) ? p.z : NAN;
+        if (column + 1u == raster.columns || row + 1u == raster.rows) continue;
+        at_column -= x_falls ? 1u : 0u, at_row -= y_falls ? 1u : 0u;
+        for (uint second = 0; second < 2u; ++second)
+            if (is_finite_triangle(raster_triangle(implicit, at_row, at_column, second))) squares[i] |= 1u << second;
+    }
+}
+
 // Gives each vertex that no triangle has, whose height is NaN, the height of one before it in its column, or else of
 // the first one that has any: the ground is then a part of one without holes.
 __kernel void raster_fill(const RasterParams raster, __global float* heights) {

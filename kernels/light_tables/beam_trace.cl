@@ -103,9 +103,10 @@ GN_INLINE_ON_CPU void test_triangle(BeamWork* work, __global const LightBundle* 
 GN_INLINE_ON_CPU void test_leaf(BeamWork* work, __global const LightBundle* bundle, const BlockBeam* beam, uint leaf,
                                 const BeamScene* scene, Reservation* mine SHARED_PARAMETER) {
     LeafTriangle triangle;
-    triangle.leaf = scene->leaves + (size_t)leaf * (BVH_LEAF_ROWS * BVH_WIDTH);
+    BvhLeaf of = leaf_of(scene, leaf);
+    triangle.leaf = of.corners;
     triangle.is_masked = false;
-    __global const uint* ids = scene->ids + (size_t)leaf * BVH_WIDTH;
+    __global const uint* ids = of.ids;
     BeamHits hits = triangles_in_beam(triangle.leaf, &beam->all);
     SHARE_MINIMA(hits);
     uint bits = BEAM_BITS(hits.some);
@@ -345,7 +346,7 @@ __kernel void beam_trace(const BeamParams params, __global const LightBundle* bu
                          __global const float* leaves, __global const uint* ids, __global const float* positions,
                          __global const uint* receivers, __global const float* surface_normals, __global uint* masks,
                          __global BeamPairs* queue, __global BeamCounters* counters, __local uint* shared GN_SHARES) {
-    BeamScene scene = {nodes, leaves, ids, queue, params.queue_capacity, params.rounding, counters};
+    BeamScene scene = {nodes, leaves + FIRST_OF_SLOT, ids, queue, params.queue_capacity, params.rounding, counters};
     Reservation mine = no_reservation();
     uint blocks = (params.points.count + BVH_WIDTH - 1u) / BVH_WIDTH;
 #if GN_LANES > 1

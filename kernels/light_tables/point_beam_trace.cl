@@ -27,7 +27,7 @@ __kernel void point_beam_trace(const BeamParams params, __global const LightBund
                                __global const float* positions, __global const uint* receivers,
                                __global const float* planes, __global uint* masks, __global BeamPairs* queue,
                                __global BeamCounters* counters, __local uint* shared GN_SHARES) {
-    BeamScene scene = {nodes, leaves, ids, queue, params.queue_capacity, params.rounding, counters};
+    BeamScene scene = {nodes, leaves + FIRST_OF_SLOT, ids, queue, params.queue_capacity, params.rounding, counters};
     Reservation mine = no_reservation();
     uint first = params.points.first / 3u, blocks = (params.points.count + BVH_WIDTH - 1u) / BVH_WIDTH;
     uint blocking[BLOCKING_LEAVES] = {0u};

@@ -32,10 +32,21 @@ typedef struct SidedPoints {
 #define FIRST_SMALL_CONE 3u
 
 static TriangleBlock gather_triangles(Triangles triangles, LaneInt ids, LaneInt lanes) {
+#ifdef GN_RASTER
+    TriangleBlock block;
+    for (int lane = 0; lane < GN_LANES; ++lane) {
+        Triangle t = load_triangle(triangles.vertices, LANE_OF_INT(lanes, lane) ? (uint)LANE_OF_INT(ids, lane) : 0u);
+        set_lane(&block.a, lane, t.a);
+        set_lane(&block.b, lane, t.b);
+        set_lane(&block.c, lane, t.c);
+    }
+    return block;
+#else
     __global const float* rows[GN_LANES];
     for (uint lane = 0; lane < GN_LANES; ++lane)
         rows[lane] = triangles.vertices + 9 * (size_t)(LANE_OF_INT(lanes, lane) ? (uint)LANE_OF_INT(ids, lane) : 0u);
     return load_triangle_rows(rows);
+#endif
 }
 
 static LaneFloat cone_bound(PointBlock sizes) {

@@ -24,9 +24,7 @@ GN_NOINLINE_ON_CPU void decide_queue(ItemRange items, const TraceParams params, 
             points[lane] = pair.x;
             ids[lane] = pair.y;
             float3 at = load_point(positions, params.layout, pair.x);
-            LANE_OF_FLOAT(p.x, lane) = at.x;
-            LANE_OF_FLOAT(p.y, lane) = at.y;
-            LANE_OF_FLOAT(p.z, lane) = at.z;
+            set_lane(&p, lane, at);
             // 0.0f: already shadowed by another triangle.
             LANE_OF_INT(lanes, lane) = first + lane < count && GN_RELAXED_LOAD(&visibility_bits[pair.x]) != 0u ? -1 : 0;
         }

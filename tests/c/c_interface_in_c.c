@@ -367,6 +367,33 @@ static void check_wrapping(const gnomon_device* device, gnomon_light light) {
     clReleaseMemObject(output);
 }
 
+// A square of a raster over one of two points, with the light straight above.
+static void check_raster(const gnomon_device* device) {
+    const float x[2] = {0, 1}, y[2] = {1, 0}, heights[4] = {1, 1, 1, 1}, along_z[3] = {0, 0, -1};
+    const float positions[6] = {0.25f, 0.75f, 0, 2, 0.5f, 0};
+    float result[2];
+    gnomon_light light;
+    gnomon_triangles* triangles;
+    gnomon_points* points;
+    gnomon_visibility* visibility;
+    gnomon_technique* technique;
+    size_t count;
+    DONE(gnomon_light_directional(along_z, &light));
+    DONE(gnomon_technique_create(device, "frustum-traced", &technique));
+    DONE(gnomon_triangles_raster(device, x, 2, y, 2, heights, true, &triangles));
+    DONE(gnomon_triangles_count(triangles, &count));
+    EXPECT(count == 2);
+    DONE(gnomon_points_upload(device, positions, 2, NULL, &points));
+    DONE(gnomon_visibility_create(device, 2, &visibility));
+    DONE(gnomon_technique_run(technique, triangles, points, light, visibility, NULL, NULL, NULL));
+    DONE(gnomon_visibility_read(visibility, result));
+    EXPECT(result[0] == 0 && result[1] == 1);
+    gnomon_technique_destroy(technique);
+    gnomon_visibility_destroy(visibility);
+    gnomon_points_destroy(points);
+    gnomon_triangles_destroy(triangles);
+}
+
 // Two of the roof's corners as points. It is seen from above as a height field, and its windings' front is below.
 static void check_fans(const gnomon_device* device, const gnomon_triangles* triangles, const gnomon_light lights[2]) {
     const float corners[9] = {roof[0], roof[1], roof[2], 99, 99, 99, roof[3], roof[4], roof[5]}, up[3] = {0, 1, 0};
@@ -538,6 +565,7 @@ static void technique(c_inputs* in) {
     check_technique(in->device, in->triangles, in->points, in->visibility, in->lights);
 }
 static void fans(c_inputs* in) { check_fans(in->device, in->triangles, in->lights); }
+static void raster(c_inputs* in) { check_raster(in->device); }
 static void many_lights(c_inputs* in) {
     check_many_lights(in->device, in->triangles, in->points, in->visibility, in->lights);
 }
@@ -560,6 +588,7 @@ const c_group c_groups[] = {
     {"inputs", inputs_again, 0},
     {"a technique", technique, 0},
     {"vertex fans", fans, 0},
+    {"a raster", raster, 0},
     {"many lights", many_lights, 0},
     {"what observers see", observers, 0},
     {"views", views, 0},

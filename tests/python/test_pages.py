@@ -22,7 +22,7 @@ RUN = {
     ("docs/embedding.md", "rust"): (1, [SHOWN]),
     ("docs/ladybug.md", "python"): (1, [SECTIONS]),
     ("docs/many_lights.md", "cpp"): (1, [SHOWN]),
-    ("docs/python.md", "python"): (10, [SECTIONS]),
+    ("docs/python.md", "python"): (11, [SECTIONS]),
     ("docs/python.md", "sh"): (1, [PIP]),
     ("docs/shares.md", "python"): (2, [SECTIONS]),
     ("docs/shares.md", "sh"): (1, [SECTIONS]),

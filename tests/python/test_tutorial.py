@@ -44,7 +44,7 @@ def test_all_pages_with_python_are_run():
     pages = [p for p in [*ROOT.glob("docs/*.md"), *ROOT.glob("*.md")] if "```python" in p.read_text()]
     of_docs = ["ladybug", "python", "shares", "studies", "viewshed", "weather"]
     assert sorted(p.name for p in pages) == ["README.md", *(f"{name}.md" for name in of_docs)]
-    assert len(SECTIONS) == 8
+    assert len(SECTIONS) == 9
 
 
 def run_the_commands_of_shares(folder):

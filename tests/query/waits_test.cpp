@@ -137,12 +137,17 @@ TEST_F(Waits, OfCppAreThoseOfTheTable) {
         quietly([&] { return Points::upload(device, Floats(900), std::vector<std::uint32_t>(300, no_cut_out)); });
     CutOutBuffers cut_outs;
     cut_outs.material_of_triangle = opaque.receivers();
+    const Floats axis{0, 1, 2};
     const std::vector<Case> cases{
         {"Device::Device", [&] { Device(); }},
         {"Device::finish", [&] { device.finish(); }},
         {"Triangles::upload", [&] { Triangles::upload(device, vertices); }},
         {"Triangles::copy", [&] { Triangles::copy(device, triangles.buffer(), 300, 0, cut_outs); }},
         {"Triangles::wrap", [&] { Triangles::wrap(device, triangles.buffer(), 300); }},
+        {"Triangles::raster",
+         [&] {
+             Triangles::raster(device, {std::span(axis), std::span(axis), std::span(vertices).first(9)});
+         }},
         {"Triangles::keep_clusters", [&] { triangles.keep_clusters(device); }},
         {"Points::upload", [&] { Points::upload(device, positions, receivers); }},
         {"Points::wrap", [&] { Points::wrap(device, points.positions(), {}, points_count, points.receivers()); }},
@@ -343,6 +348,12 @@ TEST_F(Waits, OfCAreThoseOfTheTable) {
         {"gnomon_device_finish", [&] { DONE(gnomon_device_finish(d)); }},
         {"gnomon_triangles_upload",
          [&] { once<gnomon_triangles_destroy>(gnomon_triangles_upload(d, vertices.data(), 300, &t_out), t_out); }},
+        {"gnomon_triangles_raster",
+         [&] {
+             const float axis[] = {0, 1, 2};
+             once<gnomon_triangles_destroy>(
+                 gnomon_triangles_raster(d, axis, 3, axis, 3, vertices.data(), false, &t_out), t_out);
+         }},
         {"gnomon_triangles_wrap",
          [&] { once<gnomon_triangles_destroy>(gnomon_triangles_wrap(d, t_buffer, 300, 0, &t_out), t_out); }},
         {"gnomon_triangles_upload_cut_outs",

@@ -104,7 +104,7 @@ void expect_same(const Json& row, const std::map<std::string, std::string>& csv)
 
 // ---- The whole program ----------------------------------------------------------------------------------------------
 
-TEST_F(Bench, ErrorsAndOutputsOfTheSundialAgree) {
+TEST_F(Bench, ErrorsAndOutputsOfTheSundialAgreeExhaustive) {
     std::string arguments =
         "sundial --technique frustum-traced --technique shadow-map --peers --oracle 100000 --runs 1 --size 320x180 "
         "--stages --mode animated --mode static";
@@ -449,7 +449,7 @@ TEST(BenchParts, EveryTechniqueHasOneFamily) {
 }
 
 // By the statistics of the techniques themselves: all maps of a technique have the texels of one.
-TEST(BenchParts, EqualTermsAreEqualTexelsAndOneFit) {
+TEST(BenchParts, EqualTermsAreEqualTexelsAndOneFitExhaustive) {
     SceneShelf shelf("", "");
     const NamedScene& scene = shelf.get("sundial");
     const Place place("", scene, false);

@@ -8,8 +8,9 @@
 #include <gnomon/device.hpp>
 
 namespace gnomon {
-class Clusters;  // private
-}
+class Clusters;        // private
+class ImplicitRaster;  // private
+}  // namespace gnomon
 
 #pragma GCC visibility push(default)
 
@@ -106,6 +107,18 @@ struct CutOutCounts {
         0;  ///< of the opaque: corners that are NaN, or 2^30 texels or more away; alphas outside 0..1
 };
 
+// ---- Triangles ------------------------------------------------------------------------------------------------------
+
+/// Ground of which z is the height: vertex (row, column) stands at (x[column], y[row], heights[row * x.size() +
+/// column]). Square q = row * (x.size() - 1) + column has the triangles 2 q, with the edge from (row + 1, column) to
+/// (row + 1, column + 1), and 2 q + 1, both counter-clockwise as seen from above.
+struct Raster {
+    std::span<const float> x, y;     ///< two or more each; both rise, or fall, from each value to the next
+    std::span<const float> heights;  ///< NaN or infinite: triangles with this vertex are left out
+    /// Diagonals join (row, column) and (row + 1, column + 1); else (row + 1, column) and (row, column + 1).
+    bool joins_first_corner = false;
+};
+
 /// Triangles on the device: 9 consecutive float32 each (three world-space vertices). A triangle's id is its index. A
 /// triangle with a NaN or infinite vertex casts no shadow and is never seen; Statistics counts it.
 class Triangles {
@@ -127,6 +140,11 @@ public:
     static Triangles share(const Device& device, std::span<const float> vertices);
     /// Uses the caller's buffer (retained) from float `first_float` on. The caller must not write it during a run.
     static Triangles wrap(const Device& device, cl_mem vertices, std::size_t count, std::size_t first_float = 0);
+    /// Copies a raster to the device, 4 bytes for each vertex. Technique::run_light_table() with frustum-traced reads
+    /// it as it is, through a BVH of 4 bytes for each square, and by sweeps (20 more) where there is memory for these.
+    /// What else reads the triangles has them written out, once for all copies of this handle: 72 bytes for each
+    /// square. The same bits as those triangles. Throws InvalidArgument, as Raster says.
+    static Triangles raster(const Device& device, const Raster& raster);
 
     /// For a mesh that does not change: builds boxes around clusters of 64 triangles (half a byte per triangle, on the
     /// device). Stages then skip clusters that a camera does not see or a light does not need, and do not read their
@@ -148,6 +166,7 @@ private:
 
     std::shared_ptr<void> buffer_;
     std::shared_ptr<const Clusters> clusters_;
+    std::shared_ptr<ImplicitRaster> raster_;  ///< in place of a buffer
     std::size_t count_ = 0;
     std::size_t first_float_ = 0;
     CutOutCounts cut_out_counts_;

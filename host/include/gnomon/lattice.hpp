@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// float64 coordinates as float32 without loss. Experimental (gnomon/version.h says what that means).
+// float64 coordinates as float32 without loss. Experimental (gnomon/version.h says what that means). A library of its
+// own: link gnomon::lattice or gnomon::full.
 #pragma once
 
 #include <span>

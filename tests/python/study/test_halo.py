@@ -171,7 +171,7 @@ def test_a_group_of_tiles_is_filled_up_to_a_rectangle_by_tiles_that_can_shadow_n
     decider = run(folder / "filled", **settings).plan.decider
 
     def fill(group, tiles):
-        return decider._as_raster(np.array(group), np.array(tiles)).tolist()
+        return decider._filled(np.array(group), np.array(tiles)).tolist()
 
     assert len(decider.casters) == 25
     assert fill([3, 4, 6, 7], [3, 4, 6, 7]) == [3, 4, 5, 6, 7]

@@ -7,8 +7,9 @@ import os
 import numpy as np
 import pytest
 from gnomon import studies
+from gnomon.studies import decide
 from gnomon.studies.runner import Execution, executor_of
-from made import bits, chunk_files, city, exactly_lit, run, snapped, triangles_of, write_raster, write_suns
+from made import bits, chunk_files, city, exactly_lit, replaced, run, snapped, triangles_of, write_raster, write_suns
 
 SUNS = [(80 + 5 * i, 3 + 25 * np.sin(np.pi * i / 39)) for i in range(40)]  # 3 to 28 degrees
 TILES = dict(tile=24, caster_tile=16)
@@ -51,6 +52,21 @@ def test_rational_arithmetic_agrees(whole):
             assert lit[s, r, c] == exactly_lit(triangles, vertices[r, c], towards[s]), (r, c, s)
             asked += 1
     assert asked > 60
+
+
+def test_the_raster_serves_without_its_triangles(files, whole):  # whole: it is made first
+    """And with them, the same bytes: both ways to make a scene of caster tiles."""
+    folder, raster, suns = files
+    settings = dict(raster=raster, directions=suns, outputs=["bits", "weights"], **TILES)
+
+    def none_is_written(*_):
+        raise AssertionError("a raster was cut into triangles")
+
+    with replaced(decide, "_snapped_triangles", none_is_written):
+        run(folder / "without", **settings)
+    with replaced(decide.Decider, "_load_raster", lambda *_: None):
+        run(folder / "with", **settings)
+    assert chunk_files(folder / "without") == chunk_files(folder / "with") == chunk_files(folder / "whole")
 
 
 def test_a_whole_scene_agrees(whole):

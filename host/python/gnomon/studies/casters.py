@@ -98,6 +98,17 @@ class Casters:
         row, column = tile // self.columns * size, tile % self.columns * size
         return row, min(row + size + 1, self.mosaic.rows), column, min(column + size + 1, self.mosaic.columns)
 
+    def rectangle_of(self, tiles: NDArray[np.int64]) -> tuple[tuple[int, int, int, int], NDArray[np.int64]] | None:
+        """The window() of the smallest rectangle of raster tiles around these, and what else is in it; None where a
+        tile is a mesh, or there is none."""
+        if not len(tiles) or tiles.max() >= self.rows * self.columns:
+            return None
+        row, column = np.divmod(tiles, self.columns)
+        rows, in_row = np.arange(row.min(), row.max() + 1), np.arange(column.min(), column.max() + 1)
+        whole = (rows[:, None] * self.columns + in_row).reshape(-1)
+        first, last = self.window(int(whole[0])), self.window(int(whole[-1]))
+        return (first[0], last[1], first[2], last[3]), np.setdiff1d(whole, tiles)
+
     def tiles_of_window(self, row: int, last_row: int, column: int, last_column: int) -> NDArray[np.int64]:
         """The raster tiles that have a vertex in a window."""
         size = self.size

@@ -27,8 +27,11 @@ from .rasters import UnreadableError
 from .receivers import Part
 from .settings import Settings
 
-#: The most bytes that a caster's triangle takes: its corners on host and device, its share of the BVH, and the loading.
-BYTES_PER_TRIANGLE = 400
+#: The most bytes that a caster's triangle takes: its corners on host and device, its share of the BVH, and the loading;
+#: and that one of a raster scene takes, on host and device, with its share of the BVH and the sweeps.
+BYTES_PER_TRIANGLE, BYTES_PER_RASTER_TRIANGLE = 400, 16
+#: The farthest whole numbers of steps from a lattice's origin.
+LARGEST_STEPS = 2.0**24
 
 
 class Answer(NamedTuple):
@@ -56,6 +59,19 @@ def steps_of(values: NDArray[np.float64], exponent: int) -> NDArray[np.float64]:
     steps = np.ldexp(values, -exponent)
     below: NDArray[np.float64] = np.floor(steps)
     return below + (steps - below >= 0.5)
+
+
+class _TooFarError(Exception):
+    """Coordinates lie too far from a lattice's origin."""
+
+
+def _from_origin(values: NDArray[np.float64], origin: int, exponent: int) -> NDArray[np.float32]:
+    """Coordinates along one axis as WorldLattice.snap() gives them, where NaN stays NaN. Raises _TooFarError."""
+    steps = steps_of(values, exponent)
+    steps -= origin
+    if (np.abs(steps) > LARGEST_STEPS).any():
+        raise _TooFarError
+    return np.ldexp(steps.astype(np.float32), exponent)
 
 
 def box_of(points: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -130,7 +146,8 @@ class Decider:
                 is_open = planes.unpacked(np.bitwise_or.reduce(lit, axis=1)[:, None], len(towards))[0]
                 suns, rows = suns[is_open[suns]], np.flatnonzero(np.bitwise_or.reduce(lit, axis=0))
             with self._scene_lock:
-                casters = self._load_scene(part, positions, self._as_raster(tiles[group], tiles), curvature, unread)
+                of_group = self._filled(tiles[group], tiles)
+                casters = self._load_scene(part, positions, of_group, curvature, unread, tiles[is_untested])
                 is_faced[suns] |= self._shadow(casters, lift_normals, positions, towards, suns, rows, lit)
                 self._kept = casters if len(groups) == 1 and not unread else None
                 del casters
@@ -181,10 +198,13 @@ class Decider:
         """Indices of tested tiles, nearest first. A group has as many as the memory limit and the lattice hold."""
         boxes = self.survey.boxes[tiles]
         order = np.lexsort((tiles, distances(boxes, box)))
+        tested = order[~is_untested[order]]
+        if self._are_one_raster(tiles[tested], box):
+            return [tested.tolist()]
         max_triangles = max(self.settings.memory_limit // BYTES_PER_TRIANGLE, 1)
         groups: list[list[int]] = []
         low, high, count = box[:2], box[2:], 0
-        for i in order[~is_untested[order]].tolist():
+        for i in tested.tolist():
             triangles = int(self.survey.triangles[tiles[i]])
             wider_low, wider_high = np.minimum(low, boxes[i, :2]), np.maximum(high, boxes[i, 2:])
             is_full = count + triangles > max_triangles or (wider_high - wider_low > LARGEST_SPAN * self.step).any()
@@ -197,20 +217,31 @@ class Decider:
             count += triangles
         return groups
 
-    def _as_raster(self, group: NDArray[np.int64], tiles: NDArray[np.int64]) -> NDArray[np.int64]:
+    def _fits_as_raster(self, window: tuple[int, int, int, int]) -> bool:
+        r0, r1, c0, c1 = window
+        return 2 * (r1 - r0) * (c1 - c0) * BYTES_PER_RASTER_TRIANGLE <= self.settings.memory_limit
+
+    def _are_one_raster(self, tiles: NDArray[np.int64], box: NDArray[np.float64]) -> bool:
+        """Whether these tiles can be one raster scene."""
+        found = self.casters.rectangle_of(tiles)
+        if found is None or not self._fits_as_raster(found[0]):
+            return False
+        boxes = self.survey.boxes[tiles]
+        span = np.maximum(boxes[:, 2:].max(axis=0), box[2:]) - np.minimum(boxes[:, :2].min(axis=0), box[:2])
+        return bool((span <= LARGEST_SPAN * self.step).all())
+
+    def _filled(self, group: NDArray[np.int64], tiles: NDArray[np.int64]) -> NDArray[np.int64]:
         """A group of raster tiles filled up to a rectangle, which is decided faster, by tiles that can shadow no
         receiver: those that are not in `tiles`. The group itself where a tile is another one, cannot be read, or where
         the rectangle has more than 1.5 times its triangles, or too many."""
-        columns = self.casters.columns
-        if not len(group) or group.max() >= self.casters.rows * columns:
+        found = self.casters.rectangle_of(group)
+        if found is None:
             return group
-        row, column = np.divmod(group, columns)
-        rows, in_row = np.arange(row.min(), row.max() + 1), np.arange(column.min(), column.max() + 1)
-        filled = (rows[:, None] * columns + in_row).reshape(-1)
-        more, triangles = np.setdiff1d(filled, group), self.survey.triangles
-        count = int(triangles[filled].sum())
-        is_too_large = count > 1.5 * triangles[group].sum() or count * BYTES_PER_TRIANGLE > self.settings.memory_limit
-        return group if is_too_large or np.isin(more, tiles).any() or self.survey.unread[more].any() else filled
+        window, more = found
+        triangles = self.survey.triangles
+        is_large = triangles[more].sum() > 0.5 * triangles[group].sum() or not self._fits_as_raster(window)
+        is_barred = np.isin(more, tiles).any() or self.survey.unread[more].any()
+        return group if is_large or is_barred else np.union1d(group, more)
 
     def _load_scene(
         self,
@@ -219,15 +250,20 @@ class Decider:
         tiles: NDArray[np.int64],
         curvature: Curvature,
         unread: list[int],
+        barred: NDArray[np.int64],
     ) -> _CasterScene:
         """A scene of caster tiles: the kept one, with its BVH, if it holds these tiles and at most twice their
-        triangles. Tiles that cannot be read are appended to `unread`."""
+        triangles. Tiles that cannot be read are appended to `unread`. `barred`: tiles of which it has no triangle."""
         kept, count = self._kept, self.survey.triangles
         holds = kept is not None and kept.part is part and np.isin(tiles, kept.tiles).all()
         if kept is not None and holds and count[kept.tiles].sum() <= 2 * count[tiles].sum():
             return kept
         del kept
         self._kept = None  # frees its memory before the new scene takes some
+        raster = self._load_raster(tiles, positions, curvature, barred)
+        if raster is not None:
+            lattice, scene = raster
+            return _CasterScene(part, tiles, lattice, scene, lattice.snap(positions)[0])
         meshes = []
         for tile in tiles.tolist():
             try:
@@ -240,6 +276,36 @@ class Decider:
         triangles = _snapped_triangles(meshes, lattice)
         scene = Scene(triangles, device=self.device) if len(triangles) else None
         return _CasterScene(part, tiles, lattice, scene, lattice.snap(positions)[0])
+
+    def _load_raster(
+        self, tiles: NDArray[np.int64], positions: NDArray[np.float64], curvature: Curvature, barred: NDArray[np.int64]
+    ) -> tuple[_gnomon.WorldLattice, Scene] | None:
+        """The scene of raster tiles as a raster: without its triangles. Other tiles in their rectangle have no heights,
+        but for those that they share with these tiles: their triangles may be in the scene, unless they are `barred`.
+        None: the tiles are no raster, or cannot be read."""
+        found = self.casters.rectangle_of(tiles)
+        if found is None or not self._fits_as_raster(found[0]) or np.isin(found[1], barred).any():
+            return None
+        assert self.casters.mosaic is not None
+        r0, r1, c0, c1 = found[0]
+        x, y = self.casters.mosaic.x(c0, c1), self.casters.mosaic.y(r0, r1)
+        box = box_of(positions)
+        ends = [[x[0], y[0], box[0, 2]], [x[-1], y[-1], box[1, 2]]]
+        lattice = _gnomon.WorldLattice.around(np.concatenate([box, ends]), self.exponent)
+        heights = np.full((len(y), len(x)), np.nan, np.float32)
+        try:
+            columns, rows = (_from_origin(v, o, self.exponent) for v, o in zip((x, y), lattice.origin, strict=False))
+            for tile in tiles.tolist():
+                t0, t1, s0, s1 = self.casters.window(tile)
+                of_tile = self.casters.mosaic.heights(t0, t1, s0, s1)
+                of_tile = curvature.lowered(x[None, s0 - c0 : s1 - c0], y[t0 - r0 : t1 - r0, None], of_tile)
+                snapped = _from_origin(of_tile, lattice.origin[2], self.exponent)
+                heights[t0 - r0 : t1 - r0, s0 - c0 : s1 - c0] = snapped
+        except (UnreadableError, _TooFarError):
+            return None
+        if not (np.diff(columns).all() and np.diff(rows).all()):
+            return None
+        return lattice, Scene.from_raster(columns, rows, heights, device=self.device)
 
     def _mesh(self, tile: int, curvature: Curvature) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
         """The vertices and faces of a caster tile, after curvature. Raises UnreadableError."""
