@@ -16,6 +16,7 @@
 
 #include "cl/opencl.hpp"
 #include "energy_sums.hpp"
+#include "facing_suns.hpp"
 #include "height_steps.hpp"
 #include "lights/whole_weights.hpp"
 #include "lit_fractions.hpp"
@@ -578,6 +579,24 @@ void bind_sight(nb::module_& m) {
             "eyes"_a, "rows"_a, "spans"_a, "wants_words"_a, "progress"_a.none());
 }
 
+void bind_facing_of_rasters(nb::module_& m) {
+    using Flags = nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+    m.def(
+        "clear_below",
+        [](const Doubles& normals, const Flags& exist, const Doubles& suns, const Flags& chosen,
+           const Written<std::uint32_t>& lit) {
+            if (normals.size() != 3 * exist.size() || suns.size() != 3 * chosen.size() ||
+                lit.size() != (chosen.size() + 31) / 32 * exist.size())
+                throw gnomon::InvalidArgument("clear_below: the arrays have other sizes than each other");
+            return row_of(released([&] {
+                return gnomon::python::clear_below({span_of(normals), span_of(exist)}, span_of(suns), span_of(chosen),
+                                                   span_of(lit));
+            }));
+        },
+        "normals"_a.noconvert(), "exist"_a.noconvert(), "suns"_a.noconvert(), "chosen"_a.noconvert(),
+        "lit"_a.noconvert());
+}
+
 // Of float32 and of float64: no array is converted from one to the other.
 template <typename Height>
 void bind_rounding(nb::module_& m) {
@@ -872,6 +891,7 @@ NB_MODULE(_gnomon, m) {
     bind_lit_fractions(m);
     bind_energy_sums(m);
     bind_sight(m);
+    bind_facing_of_rasters(m);
     bind_rounding<float>(m);
     bind_rounding<double>(m);
     bind_views(m);

@@ -5,9 +5,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <thread>
-#include <vector>
 
+#include "in_parts.hpp"
 #include "kernels/sight/sight_lines.h"
 
 namespace gnomon::python {
@@ -15,19 +14,6 @@ namespace {
 
 /// Heights side by side: loops over them become vector instructions.
 constexpr std::size_t width = 16;
-
-/// Calls work(first, end, part) for as many parts of a range as there are threads; returns the number of parts.
-template <typename Work>
-std::size_t in_parts(std::size_t count, std::size_t least, const Work& work) {
-    const std::size_t threads = std::clamp<std::size_t>(std::thread::hardware_concurrency(), 1, 16);
-    const std::size_t parts = std::clamp<std::size_t>(count / least, 1, threads);
-    std::vector<std::thread> others;
-    for (std::size_t i = 1; i < parts; ++i)
-        others.emplace_back([&work, i, count, parts] { work(count * i / parts, count * (i + 1) / parts, i); });
-    work(0, count / parts, 0);
-    for (std::thread& thread : others) thread.join();
-    return parts;
-}
 
 template <typename Height>
 HeightRange range_of_part(std::span<const Height> heights) {
@@ -69,7 +55,7 @@ void round_piece(const Height* heights, std::size_t count, double base, const do
 
 template <typename Height>
 HeightRange range_of(std::span<const Height> heights) {
-    std::array<HeightRange, 16> found{};
+    std::array<HeightRange, most_parts> found{};
     const std::size_t parts = in_parts(heights.size(), 1 << 16, [&](std::size_t first, std::size_t end, std::size_t i) {
         found[i] = range_of_part(heights.subspan(first, end - first));
     });
@@ -84,7 +70,7 @@ double round_heights(std::span<const Height> heights, const Rounding& rounding, 
                      std::span<bool> absent) {
     const std::size_t columns = rounding.across.size(), rows = rounding.along.size();
     const double step = std::ldexp(1.0, rounding.exponent), steps_of_metre = std::ldexp(1.0, -rounding.exponent);
-    std::array<double, 16> largest{};
+    std::array<double, most_parts> largest{};
     in_parts(rows, std::max<std::size_t>((1 << 16) / columns, 1),
              [&](std::size_t first, std::size_t end, std::size_t i) {
                  std::array<double, width> moved{}, drops{};

@@ -295,11 +295,13 @@ class Decider:
         heights = np.full((len(y), len(x)), np.nan, np.float32)
         try:
             columns, rows = (_from_origin(v, o, self.exponent) for v, o in zip((x, y), lattice.origin, strict=False))
-            for tile in tiles.tolist():
-                t0, t1, s0, s1 = self.casters.window(tile)
-                of_tile = self.casters.mosaic.heights(t0, t1, s0, s1)
-                of_tile = curvature.lowered(x[None, s0 - c0 : s1 - c0], y[t0 - r0 : t1 - r0, None], of_tile)
-                snapped = _from_origin(of_tile, lattice.origin[2], self.exponent)
+            windows = [self.casters.window(tile) for tile in tiles.tolist()]
+            if not len(found[1]):  # a row of tiles is read at once
+                windows = [(t0, t1, c0, c1) for t0, t1 in dict.fromkeys(window[:2] for window in windows)]
+            for t0, t1, s0, s1 in windows:
+                part = self.casters.mosaic.heights(t0, t1, s0, s1)
+                part = curvature.lowered(x[None, s0 - c0 : s1 - c0], y[t0 - r0 : t1 - r0, None], part)
+                snapped = _from_origin(part, lattice.origin[2], self.exponent)
                 heights[t0 - r0 : t1 - r0, s0 - c0 : s1 - c0] = snapped
         except (UnreadableError, _TooFarError):
             return None

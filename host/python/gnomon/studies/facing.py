@@ -3,8 +3,8 @@
 
 The rule is that of docs/numerics.md, 14, for height fields; this module applies it to all vertices of a grid. All
 coordinates are whole steps below 2^25, so normals are exact in float64. 32 suns that follow one another are decided
-together where all of them are certainly above or certainly below a triangle. Other signs of n . D come from float32 or
-float64 where they are certain, and else from math.fsum over exact products.
+together where all of them are certainly above or certainly below a triangle. Other signs of n . D come from float64
+where they are certain, and else from math.fsum over exact products.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import _gnomon
 from . import planes
 from .planes import Planes
 
@@ -33,33 +34,35 @@ class GridFacing:
     ) -> None:
         rows, columns = inside.shape
         self._row, self._column = np.nonzero(inside)
-        self._edges = []  # x (C,), y (R,), z (n,) of the edge to each neighbour
+        is_whole, has_holes = bool(inside.all()), bool(np.isnan(z).any())
+
+        def chosen(values: NDArray[np.float64]) -> NDArray[np.float64]:
+            return values.reshape(-1) if is_whole else values[inside]
+
+        self._edges = []  # x (C,), y (R,) of the edge to each neighbour
+        heights = []  # (R, C)
         for r, c in NEIGHBOURS:
             dx, dy = x[1 + c : 1 + c + columns] - x[1:-1], y[1 + r : 1 + r + rows] - y[1:-1]
-            dz = (z[1 + r : 1 + r + rows, 1 + c : 1 + c + columns] - z[1:-1, 1:-1])[inside]
-            self._edges.append((dx, dy, dz))
-        self._normals = []  # (n, 3) of each of the six triangles, 0 where a triangle is missing
+            self._edges.append((dx, dy))
+            heights.append(z[1 + r : 1 + r + rows, 1 + c : 1 + c + columns] - z[1:-1, 1:-1])
+        self._normals: list[NDArray[np.float64]] = []  # (n, 3) of each of the six triangles, 0 where one is missing
         self._exists: list[NDArray[np.bool_]] = []
+        self._largest: list[NDArray[np.float64]] = []  # of the sizes of a normal's coordinates
         for k in range(6):
-            (ax, ay, az), (bx, by, bz) = (
-                self._edge(k, self._row, self._column),
-                self._edge(k + 1, self._row, self._column),
-            )
-            parts = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
-            exists = np.logical_and.reduce([np.isfinite(part) for part in parts])
-            n = np.stack(parts, axis=1)
-            n[~exists] = 0
+            (ax, ay), (bx, by) = ((e[0], e[1][:, None]) for e in (self._edges[k], self._edges[(k + 1) % 6]))
+            az, bz = heights[k], heights[(k + 1) % 6]
+            parts = [chosen(part) for part in (ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx)]
+            exists = ~np.isnan(parts[0]) if has_holes else np.ones(len(self._row), bool)
+            if has_holes:
+                parts = [np.where(exists, part, 0) for part in parts]
+            n = np.empty((len(self._row), 3))
+            for axis, part in enumerate(parts):
+                n[:, axis] = part
+                np.abs(part, out=part)
             self._normals.append(n)
             self._exists.append(exists)
-        self._largest = [np.maximum(np.maximum(*np.abs(n.T[:2])), np.abs(n[:, 2])) for n in self._normals]
-        self._normals32 = [n.astype(np.float32) for n in self._normals]
-        self._irregular = np.flatnonzero(~np.all(self._exists, axis=0))
-
-    def _edge(
-        self, k: int, row: NDArray[np.int64], column: NDArray[np.int64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-        dx, dy, dz = self._edges[k % 6]
-        return dx[column], dy[row], dz
+            self._largest.append(np.maximum(np.maximum(parts[0], parts[1], out=parts[0]), parts[2], out=parts[0]))
+        self._irregular = np.flatnonzero(~np.all(self._exists, axis=0)) if has_holes else np.empty(0, np.int64)
 
     def faces(self, towards: NDArray[np.float32]) -> Planes:
         """The planes of whether each sun (M, 3), all upwards, is strictly above the surface around each vertex. A
@@ -85,7 +88,7 @@ class GridFacing:
         """(M,) twice: whether the horizontal part of each sun points into the sector of triangle k at all vertices; and
         whether it may at some. Each product has at most 25 + 24 bits, so it is exact, and so is the comparison of two;
         the largest product is that of the largest or the smallest edge."""
-        (ax, ay, _), (bx, by, _) = self._edges[k], self._edges[(k + 1) % 6]
+        (ax, ay), (bx, by) = self._edges[k], self._edges[(k + 1) % 6]
         ahead, aside = np.outer(_ends(ax), d[:, 1]), np.outer(_ends(ay), d[:, 0])
         behind, beside = np.outer(_ends(by), d[:, 0]), np.outer(_ends(bx), d[:, 1])
         at_all = (ahead.min(axis=0) >= aside.max(axis=0)) & (behind.min(axis=0) >= beside.max(axis=0))
@@ -93,44 +96,13 @@ class GridFacing:
         return at_all, at_some
 
     def _clear_below(self, k: int, d: NDArray[np.float64], chosen: NDArray[np.bool_], result: Planes) -> None:
-        """Clears the chosen suns that are not above triangle k. With c the middle of up to 32 suns and e the largest
-        |d - c| in each coordinate, n . d differs from n . c by at most |n| . e. Each of the two float32 products rounds
-        five times, and the normal once, by 2^-24 of 3 x largest x |c| (or e) in all six: 4e-6 covers both."""
-        groups = [np.flatnonzero(chosen[first : first + 32]) + first for first in range(0, len(d), 32)]
-        words = np.array([w for w, group in enumerate(groups) if len(group)], np.int64)
-        if not len(words):
+        """Clears the chosen suns that are not above triangle k. (_by_vertex() decides where it is missing.)"""
+        if not chosen.any():
             return
-        ends = np.array([(d[g].min(axis=0), d[g].max(axis=0)) for g in groups if len(g)])
-        middle = ends.mean(axis=1).astype(np.float32)
-        spread = np.abs(ends - middle[:, None]).max(axis=1).astype(np.float32)
-        spread = np.nextafter(spread, np.float32(np.inf))
-        rounding = (4e-6 * (np.abs(middle).max(axis=1) + spread.max(axis=1))).astype(np.float32)
-        bits = np.array([np.bitwise_or.reduce(np.uint32(1) << (groups[w] % 32).astype(np.uint32)) for w in words])
-        for first in range(0, len(self._row), planes.ROWS_AT_ONCE // 2):
-            part = slice(first, first + planes.ROWS_AT_ONCE // 2)
-            n, exists = self._normals32[k][part], self._exists[k][part]
-            s = middle @ n.T
-            bound = spread @ np.abs(n).T + rounding[:, None] * self._largest[k][part].astype(np.float32)
-            is_below = s < -bound
-            result[words, part] &= ~(is_below * bits[:, None])
-            uncertain = ~(is_below | (s > bound)) & exists  # _by_vertex() decides the others
-            for i in np.flatnonzero(uncertain.any(axis=1)).tolist():
-                suns, rows = groups[words[i]], np.flatnonzero(uncertain[i]) + first
-                result[words[i], rows] &= self._above_of_word(k, d, suns, rows) | ~bits[i]
-
-    def _above_of_word(
-        self, k: int, d: NDArray[np.float64], suns: NDArray[np.int64], rows: NDArray[np.int64]
-    ) -> Planes:
-        """(rows,) words of the answers of _above() for suns of one word. float32 decides nearly all of them."""
-        s = self._normals32[k][rows] @ d[suns].T.astype(np.float32)
-        bound = (self._largest[k][rows] * (2e-6 * np.abs(d[suns]).max())).astype(np.float32)[:, None]
-        above = s > bound
-        uncertain = (above != (s > -bound)).any(axis=1)
-        if uncertain.any():
-            above[uncertain] = self._above(k, d[suns], rows[uncertain])
-        answers = np.zeros((len(rows), 32), bool)
-        answers[:, suns % 32] = above
-        return planes.packed(answers)[0]
+        unsure = _gnomon.clear_below(self._normals[k], self._exists[k], d, chosen, result)
+        for row, sun in unsure.reshape(-1, 2).tolist():
+            if not exact_sum(self._normals[k][row], d[sun]) > 0:
+                result[sun // 32, row] &= ~np.uint32(1 << sun % 32)
 
     def _above(self, k: int, d: NDArray[np.float64], rows: slice | NDArray[np.int64]) -> NDArray[np.bool_]:
         """(rows, M): whether n . D > 0, n the normal of triangle k at each vertex."""
