@@ -9,6 +9,7 @@
 #include <string>
 
 #include <gnomon.hpp>
+#include "query/inputs.hpp"
 #include "support/cut_out_scenes.hpp"
 #include "support/light_scene.hpp"
 #include "support/terrains.hpp"
@@ -241,6 +242,39 @@ void meet_terrain(const gnomon::Device& device, const std::string& way) {
     std::printf("%s: %zu points, %zu lights\n", way.c_str(), counts.size(), lights.size());
 }
 
+/// Suns over an implicit raster with a hole, by beams or by sweeps; every other vertex has a receiver and faces by it.
+void meet_implicit_raster(const gnomon::Device& device, const std::string& way) {
+    Floats x, y, heights, positions;
+    for (int i = 0; i < 11; ++i) x.push_back(float(i)), y.push_back(float(-i) * 1.5f);
+    for (std::size_t i = 0; i < x.size() * y.size(); ++i) heights.push_back(float(i * 7 % 11) / 4);
+    heights[40] = std::numeric_limits<float>::quiet_NaN();
+    const auto triangles = gnomon::Triangles::raster(device, {x, y, heights});
+    Floats scene(9 * triangles.count());
+    gnomon::session_of(device).read(triangles.buffer(), scene.data(), scene.size() * sizeof(float));
+    std::vector<std::uint32_t> receivers;
+    for (std::uint32_t t = 0; t < triangles.count(); t += 6) {
+        if (t / 2 == 40 || t / 2 == 39 || t / 2 == 29 || t / 2 == 30) continue;  // around the hole
+        add(positions, vertex(scene, 3 * t));
+        receivers.push_back(t % 12 == 0 ? t : gnomon::no_receiver);
+    }
+    std::vector<gnomon::Light> lights;
+    for (int i = 0; i < 20; ++i)
+        lights.push_back(gnomon::Light::directional({1, i < 10 ? 0.0f : 0.75f, -float(i % 10) / 8 - 0.1f}));
+    const auto technique = gnomon::make_technique("frustum-traced", device);
+    technique->set("many-lights", way);
+    const Float3 eye{3, -4, 90};
+    const auto answers =
+        gnomon::run_light_table_to_host(*technique, triangles, gnomon::Points::upload(device, positions, receivers),
+                                        gnomon::Lights(lights), {.counts = true}, {.facing = gnomon::Facing::eye(eye)});
+    std::vector<std::uint32_t> counts(receivers.size());
+    for (const gnomon::Light& light : lights) {
+        const auto shadowed = reference::shadowed(scene, positions, receivers, light.xyzw, eye);
+        for (std::size_t i = 0; i < counts.size(); ++i) counts[i] += !shadowed[i];
+    }
+    require(answers.counts == counts, "implicit raster, " + way + ": counts of lit lights");
+    std::printf("implicit raster, %s: %zu points, %zu lights\n", way.c_str(), counts.size(), lights.size());
+}
+
 }  // namespace
 
 int main(int count, char** arguments) try {
@@ -256,6 +290,7 @@ int main(int count, char** arguments) try {
     }
     if (cases == "horizons") {
         for (const char* way : {"horizons", "sweeps"}) meet_terrain(gnomon::Device(), way);
+        for (const char* way : {"beams", "sweeps"}) meet_implicit_raster(gnomon::Device(), way);
         return all_right ? 0 : 1;
     }
     const Floats blocks = lattice_blocks(2, 3, 1);
