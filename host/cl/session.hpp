@@ -130,6 +130,8 @@ public:
     bool has_fp64() const { return has_fp64_; }
     /// Floats of a register, as the device states.
     std::uint32_t native_floats() const { return native_floats_; }
+    /// A driver for CPUs that joins work-items to vectors itself (Mesa's llvmpipe).
+    bool joins_items() const { return description_.type == "CPU" && native_floats_ <= 1; }
     bool profiles() const { return profiles_; }
     /// Points or pixels per work-item of the vector kernels.
     std::uint32_t lanes() const { return is_cpu_ ? 16 : 1; }

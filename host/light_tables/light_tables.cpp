@@ -65,6 +65,7 @@ MethodCache::Key key_of(const LightsRun& run) {
 Statistics LightTables::run(Technique& one_light, const LightsRun& given, LightsMethod method,
                             std::uint32_t bundle_lights) {
     const bool is_automatic = method == LightsMethod::automatic;
+    if (session_.joins_items()) throw_missing(method, "another driver (Mesa's llvmpipe compiles its kernels wrongly)");
     std::uint64_t kept = kept_bytes_;  // runs of single lights within this run count their own kept bytes
     MeasuredRun measured(session_, kept);
     const Triangles clustered = is_automatic ? with_clusters(device_, given.triangles) : given.triangles;
@@ -89,8 +90,10 @@ Statistics LightTables::run(Technique& one_light, const LightsRun& given, Lights
     return measured.finish();
 }
 
+// Mesa's compiler says of the walks' kernels for llvmpipe that "results may be incorrect", and some were
+// (docs/drivers.md).
 bool LightTables::wants_tree(const LightsRun& given) {
-    return gnomon::wants_tree(traits_of(given, given.triangles, true));
+    return !session_of(given.device).joins_items() && gnomon::wants_tree(traits_of(given, given.triangles, true));
 }
 
 LightsMethod LightTables::automatic_method(TableRun& table, bool can_be_bundled) {

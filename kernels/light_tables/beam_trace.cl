@@ -343,7 +343,7 @@ static void store_dark(const BeamParams params, const BeamWork* work, __global u
 
 // On a CPU a work-item takes PACKET_BLOCKS neighbouring blocks at a time, which share packets if left to these.
 __kernel void beam_trace(const BeamParams params, __global const LightBundle* bundles, __global const float* nodes,
-                         __global const float* leaves, __global const uint* ids, __global const float* positions,
+                         __global LeafFloat* leaves, __global const uint* ids, __global const float* positions,
                          __global const uint* receivers, __global const float* surface_normals, __global uint* masks,
                          __global BeamPairs* queue, __global BeamCounters* counters, __local uint* shared GN_SHARES) {
     BeamScene scene = {nodes, leaves + FIRST_OF_SLOT, ids, queue, params.queue_capacity, params.rounding, counters};

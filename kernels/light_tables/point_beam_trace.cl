@@ -23,7 +23,7 @@ static uint points_with_open(__global const uint* masks, uint count SHARED_PARAM
 }
 
 __kernel void point_beam_trace(const BeamParams params, __global const LightBundle* bundles,
-                               __global const float* nodes, __global const float* leaves, __global const uint* ids,
+                               __global const float* nodes, __global LeafFloat* leaves, __global const uint* ids,
                                __global const float* positions, __global const uint* receivers,
                                __global const float* planes, __global uint* masks, __global BeamPairs* queue,
                                __global BeamCounters* counters, __local uint* shared GN_SHARES) {

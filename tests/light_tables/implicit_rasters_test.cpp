@@ -226,9 +226,8 @@ TEST(ImplicitRasters, HaveATreeOfTightBoxes) {
         const gnomon::Device device = device_of(gpu_kernels);
         const Ground of = ground("", places(700, 0, 1), places(45, 0, -1), 21);
         const gnomon::WideBvh tree(device, gnomon::Triangles::raster(device, of.raster()));
-        const std::uint32_t width = gpu_kernels ? 32 : 16;
-        const std::size_t patches =
-            std::size_t(700 - 1 + 3) / 4 * ((45 - 1 + (gpu_kernels ? 3 : 1)) / (gpu_kernels ? 4 : 2));
+        const std::uint32_t width = gnomon::bvh_width(gnomon::session_of(device)), rows_of_patch = width / 8;
+        const std::size_t patches = std::size_t(700 - 1 + 3) / 4 * ((45 - 1 + rows_of_patch - 1) / rows_of_patch);
         EXPECT_EQ(tree.leaf_count(), patches);
         const auto nodes = downloaded<float>(gnomon::session_of(device), tree.nodes().get(),
                                              std::size_t(tree.levels().back()) * 7 * width);
