@@ -10,7 +10,7 @@
 
 namespace gnomon {
 
-/// Of a launch that walks a BVH, on a GPU.
+/// The most work-groups of a launch that walks a BVH on a GPU.
 inline constexpr std::size_t most_bvh_groups = 65536;
 
 class WideBvh {
@@ -26,7 +26,7 @@ public:
     /// The first node of each level, from the root down, and the number of all nodes.
     const std::vector<std::uint32_t>& levels() const { return levels_; }
     std::uint32_t leaf_count() const { return leaf_count_; }
-    /// Of a launch that walks the tree: over an implicit raster each has a slot among the leaves.
+    /// The most work-groups that may walk the tree: over an implicit raster each has a slot among the leaves.
     std::size_t max_groups() const { return max_groups_; }
     /// The largest magnitude of a coordinate. Above BVH_MAX_COORDINATE there is no BVH.
     float largest_coordinate() const { return largest_coordinate_; }

@@ -67,9 +67,10 @@ void LightMasks::face(const PointPart& part) {
                                   .mask_stride = static_cast<cl_uint>(max_points_),
                                   .side = side(),
                                   .padding = 0};
-    session_.launch(triangles.kernel_of_lights("lights/light_sides.cl", "light_sides", are_positions_),
-                    session_.blocks(part.count), params, bundles_, triangles.vertices, run_.sorted.positions(),
-                    run_.sorted.receivers(), run_.sorted.normals(), masks_);
+    session_.launch(
+        {"lights/light_sides.cl", "light_sides", {.point_lights = are_positions_, .raster = triangles.is_raster}},
+        session_.blocks(part.count), params, bundles_, triangles.vertices, run_.sorted.positions(),
+        run_.sorted.receivers(), run_.sorted.normals(), masks_);
 }
 
 void LightMasks::join(const PointPart& part) {

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Makes the nodes of the BVH over an implicit raster (raster_bvh.h), one level after the other from the lowest one.
+#include "bvh/bvh_rows.clh"
 #include "bvh/raster_bvh.h"
 
 #ifdef GN_CPU
-#define BVH_WIDTH BVH_WIDTH_ON_CPU
 #define PATCH_ROWS PATCH_ROWS_ON_CPU
 #else
-#define BVH_WIDTH BVH_WIDTH_ON_GPU
 #define PATCH_ROWS PATCH_ROWS_ON_GPU
 #endif
 
@@ -45,8 +44,7 @@ __kernel void raster_nodes(const RasterBvhParams params, __global const float* r
                 else
                     box_of_node(nodes + child * floats, &low, &high);
             }
-            node[k] = low.x, node[BVH_WIDTH + k] = low.y, node[2u * BVH_WIDTH + k] = low.z;
-            node[3u * BVH_WIDTH + k] = high.x, node[4u * BVH_WIDTH + k] = high.y, node[5u * BVH_WIDTH + k] = high.z;
+            write_box(node, k, low, high);
             ((__global uint*)node)[BVH_CODES + k] = params.are_leaves != 0u ? BVH_LEAF | child : child;
         }
     }

@@ -12,7 +12,7 @@
 // Floats of a slot: the rows of a leaf, and its ids.
 #define RASTER_SLOT_ROWS (BVH_LEAF_ROWS + 1u)
 
-// Makes the nodes of one level from the top, each over children_across x children_down children that lie side by side.
+// raster_nodes makes the nodes of one level, each over children_across x children_down children that lie side by side.
 GN_STRUCT_BEGIN(RasterBvhParams)
     uint first, columns, rows;                    // of the nodes
     uint child_first, child_columns, child_rows;  // of their children

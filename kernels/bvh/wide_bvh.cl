@@ -2,14 +2,8 @@
 // Makes the BVH that beams walk (beam.h): nodes of BVH_WIDTH children, level by level from the root of a binary
 // tree (binary_tree.h), then the leaves.
 #include "bvh/binary_tree.h"
-#include "bvh/wide_bvh.h"
+#include "bvh/bvh_rows.clh"
 #include "exact/cut_outs.clh"
-
-#ifdef GN_CPU
-#define BVH_WIDTH BVH_WIDTH_ON_CPU
-#else
-#define BVH_WIDTH BVH_WIDTH_ON_GPU
-#endif
 
 // Replaces child k by the parts of its unit. Returns the new number of children.
 static uint open_unit(__global const BinaryNode* binary, __global const uint* ranks, uint* children, uint count,
@@ -58,12 +52,6 @@ static uint open_children(__global const BinaryNode* binary, __global const uint
         children[best] = opened.left;
         children[count++] = opened.right;
     }
-}
-
-static void write_box(__global float* node, uint k, float3 low, float3 high) {
-    node += k;
-    node[0] = low.x, node[BVH_WIDTH] = low.y, node[2u * BVH_WIDTH] = low.z;
-    node[3u * BVH_WIDTH] = high.x, node[4u * BVH_WIDTH] = high.y, node[5u * BVH_WIDTH] = high.z;
 }
 
 static void write_box_of_child(const WideBvhParams params, __global const float* vertices, __global const uint* numbers,
@@ -130,10 +118,7 @@ __kernel void bvh_leaves(const WideBvhParams params, __global const float* verti
             Triangle t = {(float3)(NAN), (float3)(NAN), (float3)(NAN)};
             if (is_present) t = load_triangle(vertices + params.triangles.first_float, id);
             ids[leaf * BVH_WIDTH + k] = is_masked ? id | BVH_MASKED : id;
-            __global float* row = leaves + leaf * (BVH_LEAF_ROWS * BVH_WIDTH) + k++;
-            row[0] = t.a.x, row[BVH_WIDTH] = t.a.y, row[2u * BVH_WIDTH] = t.a.z;
-            row[3u * BVH_WIDTH] = t.b.x, row[4u * BVH_WIDTH] = t.b.y, row[5u * BVH_WIDTH] = t.b.z;
-            row[6u * BVH_WIDTH] = t.c.x, row[7u * BVH_WIDTH] = t.c.y, row[8u * BVH_WIDTH] = t.c.z;
+            write_corners(leaves + leaf * (BVH_LEAF_ROWS * BVH_WIDTH), k++, t);
         }
     }
 }

@@ -61,7 +61,7 @@ __kernel void raster_check(const RasterParams raster, __global const float* vert
     if (what != 0u) atomic_or(found, what);
 }
 
-// The same of an implicit raster, with columns and rows in rising order.
+// Writes what raster_corners() and raster_check() write, from an implicit raster: columns and rows in rising order.
 __kernel void raster_of_implicit(const RasterParams raster, __global const float* implicit, __global float* x,
                                  __global float* y, __global float* heights, __global uint* squares) {
     bool x_falls = raster_vertex(implicit, 0u, 1u, 0u).x < raster_vertex(implicit, 0u, 0u, 0u).x;
