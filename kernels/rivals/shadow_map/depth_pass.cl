@@ -136,8 +136,8 @@ static bool is_hidden(const Drawing* d, const Casters* caster, volatile __global
 
 // Puts an item's caster into local memory for the group, if it is cut into chunks or, without `takes_chunks`, if it is
 // not. Returns the number of its chunks or spans, which the group's items share out.
-static uint put_caster(Drawing* d, __global const MapView* views, uint2 of, bool takes_chunks,
-                       volatile __global uint* tile_keys, __local WaitingCaster* waiting) {
+GN_INLINE uint put_caster(Drawing* d, __global const MapView* views, uint2 of, bool takes_chunks,
+                          volatile __global uint* tile_keys, __local WaitingCaster* waiting) {
     MapVertices h[3];
     WaitingCaster mine = {{{{0}}}, of.x, of.y};
     d->view = views + of.x;
