@@ -90,7 +90,7 @@ std::filesystem::path cache_directory() {
 
 /// The time of the first launch of a kernel that no driver has seen. Its sine makes it a kernel that takes a driver
 /// 50 ms to build.
-double first_launch_ms(const Session& session) {
+double first_launch_ms(const Session& session, const std::string& options) {
     const auto number = Clock::now().time_since_epoch().count();
     const std::string text = "__kernel void probe(__global float* out) { vstore16(sin(vload16(0, out) + " +
                              std::to_string(number % 1000000007) + ".0f), 0, out); }";
@@ -98,7 +98,7 @@ double first_launch_ms(const Session& session) {
     cl_int code;
     cl_program program = clCreateProgramWithSource(session.context(), 1, &source, nullptr, &code);
     if (program == nullptr) return 0;
-    clBuildProgram(program, 1, &session.description().device_id, "-cl-std=CL1.2", nullptr, nullptr);
+    clBuildProgram(program, 1, &session.description().device_id, options.c_str(), nullptr, nullptr);
     cl_kernel kernel = clCreateKernel(program, "probe", &code);
     cl_mem memory = clCreateBuffer(session.context(), CL_MEM_READ_WRITE, sizeof(cl_float16), nullptr, &code);
     double ms = 0;
@@ -120,14 +120,14 @@ double first_launch_ms(const Session& session) {
 /// them itself, as PoCL does, and to give its binaries it builds every kernel of a program once more: two to three
 /// times the time of a first start. Measured once, by the quicker of two launches (PoCL takes 54 ms or more, Intel's
 /// runtime less than 8 on a busy machine); the answer is kept beside the binaries.
-bool keeps_binaries(const Session& session) {
+bool keeps_binaries(const Session& session, const std::string& options) {
     const DeviceDescription& d = session.description();
     const std::filesystem::path file =
         cache_directory() / ("keeps-binaries-" + hash_of(d.platform + '\0' + d.name + '\0' + d.driver_version + '\0' +
                                                          std::string(version())));
     if (const auto known = content_of(file)) return *known == "1";
-    constexpr double builds_at_launch_ms = 20;
-    const bool keeps = std::min(first_launch_ms(session), first_launch_ms(session)) < builds_at_launch_ms;
+    constexpr double limit_ms = 20;
+    const bool keeps = std::min(first_launch_ms(session, options), first_launch_ms(session, options)) < limit_ms;
     std::error_code ignored;
     std::filesystem::create_directories(cache_directory(), ignored);
     std::ofstream(file) << (keeps ? "1" : "0");
@@ -305,7 +305,7 @@ cl_program Session::load_or_build(const std::string& file, const ProgramFlags& f
         return cached;
     }
     cl_program program = build(file, source);
-    if (!caches_binaries_) caches_binaries_ = keeps_binaries(*this);
+    if (!caches_binaries_) caches_binaries_ = keeps_binaries(*this, build_options());
     if (*caches_binaries_) store_cached(key, program);
     return program;
 }
