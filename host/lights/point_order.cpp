@@ -114,7 +114,7 @@ void SortedPoints::sort(const Inputs& in) {
         session.launch(file, "point_reorder", cl::Range::items(count), count, high, order_, sorted_high);
         std::swap(high, sorted_high);
     }
-    sort.run(session, count, high, order_);
+    sort.run(session, count, high, order_, 3 * POINT_CODE_BITS + POINT_AXIS_BITS);
 }
 
 Points SortedPoints::as_points(const Device& device, const Points& given) const {

@@ -110,8 +110,26 @@ static void sum_point(const SumsWork* work, size_t i) {
 // The most words of packed bits that a point may have for its block to be summed at once.
 #define MAX_BLOCK_WORDS 160u
 
+// Adds the weights of each lane's lights. Bytes that are 0 in all masks add nothing.
+GN_INLINE_ON_CPU void add_weights(LaneInt masks, __global const long* tables, long* sums) {
+    uint any = LANES_ANY_BIT(masks);
+    for (uint first = 0; first < 32u && any >> first != 0u; first += 8u, tables += WEIGHT_TABLE)
+        for (uint lane = 0; lane < GN_LANES; ++lane)
+            sums[lane] += tables[(uint)LANE_OF_INT(masks, lane) >> first & 255u];
+}
+
+// Asks for the sums of the points of a block: in the sorted order they are strewn over the memory.
+GN_INLINE_ON_CPU void prefetch_sums(const SumsWork* work, size_t first) {
+    for (uint lane = 0; lane < GN_LANES; ++lane) {
+        size_t point = number_of_point(work, first + lane);
+        if (wants(work, WANTS_COUNTS)) GN_PREFETCH(&work->counts[point]);
+        if (wants(work, WANTS_SUMS)) GN_PREFETCH(&work->sums[point]);
+    }
+}
+
 // sum_point() for GN_LANES neighbours, without cosines: a light is looked at once for all of them.
 GN_NOINLINE_ON_CPU void sum_block(const SumsWork* work, size_t first) {
+    prefetch_sums(work, first);
     const LaneInt none = (LaneInt)(0);
     LaneInt words[MAX_BLOCK_WORDS], counts = none, earliest = (LaneInt)(INT_MAX), latest = none;
     long sums[GN_LANES] = {0};
@@ -119,9 +137,7 @@ GN_NOINLINE_ON_CPU void sum_block(const SumsWork* work, size_t first) {
     for (uint b = 0; b < work->params.bundle_count; ++b) {
         LaneInt masks = as_int16(vload16(0, work->masks + b * (size_t)work->params.mask_stride + first));
         if (wants(work, WANTS_COUNTS)) counts += popcount(masks);
-        if (sums_by_tables(work))
-            for (uint lane = 0; lane < GN_LANES; ++lane)
-                sums[lane] += weighted_sum((uint)LANE_OF_INT(masks, lane), tables_of_bundle(work, b));
+        if (sums_by_tables(work)) add_weights(masks, tables_of_bundle(work, b), sums);
         if (!wants(work, WANTS_BITS | WANTS_FIRST | WANTS_LAST)) continue;
         __global const LightSlot* mine = slots_of_bundle(work, b);
         for (uint any = LANES_ANY_BIT(masks); any != 0u;) {

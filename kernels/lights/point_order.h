@@ -21,8 +21,9 @@ GN_STRUCT_END(PointOrderParams, 144)
 #define POINT_BOUNDS_WORDS 6u
 
 // The grid has 2^(2 * POINT_CODE_BITS) cells per axis. The code's lower and upper halves are sorted one after the
-// other.
+// other; above the upper half stands the axis of the normal.
 #define POINT_CODE_BITS 8u
+#define POINT_AXIS_BITS 3u
 
 // A sample of the sorted points has runs of this many neighbours, as many as a packet (packets/ray_packets.clh), so
 // that its beams and packets are as thick as those of all points.

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // A pass of the sort (sort.h) by one digit. sort_count counts each digit in each chunk of SORT_CHUNK keys. Prefix sums
-// over the counts (scan.cl), by digit and within a digit by chunk, give the slots. sort_scatter writes every key to its
-// slot. The order of equal keys depends only on the chunks, whatever the size of work-groups.
+// over the counts, by digit and within a digit by chunk, give the slots: on a GPU by the stage scan, on a CPU by the
+// last item of sort_count, since three launches take longer. sort_scatter writes every key to its slot. The order of
+// equal keys depends only on the chunks, whatever the size of work-groups.
 #include "lists/sort.h"
 
 #include "lists/group_scan.clh"
@@ -10,23 +11,35 @@ static uint digit_of(uint key, uint shift) { return (key >> shift) & (SORT_DIGIT
 static uint chunk_count_of(uint count) { return (count + SORT_CHUNK - 1u) / SORT_CHUNK; }
 
 #ifdef GN_CPU
+// Makes counts the slots of their keys, in place.
+static void make_slots(uint chunks, __global uint* counts) {
+    uint before = 0u;
+    for (uint i = 0; i < chunks * SORT_DIGITS; ++i) {
+        uint mine = counts[i];
+        counts[i] = before;
+        before += mine;
+    }
+}
+
 // `of_digits` and `memory` are a GPU's.
-__kernel void sort_count(SortParams params, __global const uint* keys, __global uint* counts, __local uint* of_digits) {
+__kernel void sort_count(SortParams params, __global const uint* keys, __global uint* counts,
+                         __local uint* of_digits GN_SHARES) {
     uint count = params.count, chunks = chunk_count_of(count);
-    GN_FOR_EACH(chunk, chunks) {
+    GN_FOR_EACH_OF(chunk, GN_SHARED_RANGE(chunks)) {
         uint mine[SORT_DIGITS];
         for (uint digit = 0; digit < SORT_DIGITS; ++digit) mine[digit] = 0u;
         uint last = min((uint)(chunk + 1) * SORT_CHUNK, count);
         for (uint i = (uint)chunk * SORT_CHUNK; i < last; ++i) ++mine[digit_of(keys[i], params.shift)];
         for (uint digit = 0; digit < SORT_DIGITS; ++digit) counts[digit * chunks + (uint)chunk] = mine[digit];
     }
+    if (GN_END_SHARES) make_slots(chunks, counts);
 }
 
 __kernel void sort_scatter(SortParams params, __global const uint* keys, __global const uint* values,
                            __global const uint* slots, __global uint* sorted_keys, __global uint* sorted_values,
-                           __local uint* memory) {
+                           __local uint* memory GN_SHARES) {
     uint count = params.count, chunks = chunk_count_of(count);
-    GN_FOR_EACH(chunk, chunks) {
+    GN_FOR_EACH_OF(chunk, GN_SHARED_RANGE(chunks)) {
         uint next[SORT_DIGITS];
         for (uint digit = 0; digit < SORT_DIGITS; ++digit) next[digit] = slots[digit * chunks + (uint)chunk];
         uint last = min((uint)(chunk + 1) * SORT_CHUNK, count);
@@ -36,6 +49,7 @@ __kernel void sort_scatter(SortParams params, __global const uint* keys, __globa
             sorted_values[slot] = values[i];
         }
     }
+    GN_END_SHARES;
 }
 #else
 // of_digits: SORT_DIGITS words.
