@@ -15,6 +15,7 @@ add_library(gnomon_bench_parts STATIC
   bench/reduced_mask.cpp
   bench/runner.cpp
   bench/sweep.cpp
+  bench/terrain_raster.cpp
   bench/thread_table.cpp
   $<IF:$<BOOL:${embree_FOUND}>,bench/embree_lights.cpp;bench/embree_peer.cpp;bench/embree_rays.cpp;bench/embree_scene.cpp,bench/no_peers.cpp>
 )

@@ -393,6 +393,18 @@ TEST_F(Bench, ManyLightsTakeATerrainsVertices) {
     }
 }
 
+TEST_F(Bench, ATerrainsRasterHasTheBitsOfItsTriangles) {
+    ASSERT_EQ(run("terrain:10000 --many-lights suns:40 --points 700 --runs 1 --json " + path("a.json")), 0) << errors();
+    const Json report = json("a.json");
+    ASSERT_EQ(report["rows"].size(), 2u);
+    const Json &triangles = report["rows"][0], &raster = report["rows"][1];
+    EXPECT_EQ(triangles["settings"], "");
+    EXPECT_EQ(raster["settings"], "triangles=raster");
+    EXPECT_EQ(triangles["mask_hash"], raster["mask_hash"]);
+    EXPECT_EQ(raster["pairs"]["differing"], 0);
+    EXPECT_LT(raster["device_memory_bytes"].get<double>(), triangles["device_memory_bytes"].get<double>());
+}
+
 TEST_F(Bench, AnUnusableRequestFailsWithOneSentence) {
     EXPECT_NE(run(""), 0);
     EXPECT_NE(errors().find("--experiment"), std::string::npos) << errors();

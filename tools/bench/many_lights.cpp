@@ -12,6 +12,7 @@
 #include "cl/embedded_files.hpp"
 #include "make_scenes/arithmetic.hpp"
 #include "query/vectors.hpp"
+#include "terrain_raster.hpp"
 
 namespace gnomon {
 std::span<const EmbeddedFile> embedded_tables();
@@ -245,29 +246,48 @@ std::uint64_t facing_pairs(const LightsQuestion& question) {
 
 // ---- gnomon ---------------------------------------------------------------------------------------------------------
 
+// What a contestant asks about.
+struct Inputs {
+    Triangles triangles;
+    Points points, normals;
+    Lights lights;
+    std::string kind;  ///< of the triangles, unless they are the scene's own
+};
+
+Inputs inputs_of(const LightsQuestion& question, const Place& place) {
+    Inputs in{place.triangles,
+              question.picture ? question.picture->points
+                               : Points::upload(place.device, question.positions, question.receivers),
+              Points::upload(place.device, question.normals), question.lights, ""};
+    in.triangles.keep_clusters(place.device);
+    return in;
+}
+
+Inputs inputs_of_raster(const LightsQuestion& question, const Place& place) {
+    return {raster_of_terrain(place.device, question.scene.scene.triangles),
+            Points::upload(place.device, with_z_up(question.positions)),
+            Points::upload(place.device, with_z_up(question.normals)), with_z_up(question.lights), "raster"};
+}
+
 class OwnLightsContestant : public LightsContestant {
 public:
-    OwnLightsContestant(const LightsQuestion& question, const Place& place, const Configuration& configuration)
+    OwnLightsContestant(const LightsQuestion& question, const Place& place, const Configuration& configuration,
+                        Inputs inputs)
         : question_(question),
           place_(place),
           configuration_(configuration),
           technique_(make(configuration, place.device)),
-          triangles_(place.triangles),
-          points_(question.picture ? question.picture->points
-                                   : Points::upload(place.device, question.positions, question.receivers)),
-          normals_(Points::upload(place.device, question.normals)),
+          in_(std::move(inputs)),
           counts_(place.device, question.count()),
-          sums_(place.device, 2 * question.count()) {
-        triangles_.keep_clusters(place.device);
-    }
+          sums_(place.device, 2 * question.count()) {}
 
     std::vector<std::uint32_t> bits() override {
-        return run_light_table_to_host(*technique_, triangles_, points_, question_.lights, {.bits = true}, options())
+        return run_light_table_to_host(*technique_, in_.triangles, in_.points, in_.lights, {.bits = true}, options())
             .bits;
     }
     RunTimes run() override {
         return time_run([&] {
-            statistics_ = technique_->run_light_table(triangles_, points_, question_.lights,
+            statistics_ = technique_->run_light_table(in_.triangles, in_.points, in_.lights,
                                                       {.counts = counts_.buffer(), .sums = sums_.buffer()}, options());
             place_.device.finish();
         });
@@ -280,6 +300,7 @@ public:
     void describe(Row& row) const override {
         row.technique = configuration_.technique;
         row.settings = configuration_.settings;
+        if (!in_.kind.empty()) row.settings.emplace_back("triangles", in_.kind);
         for (const TechniqueDescription& technique : techniques())
             if (technique.name == row.technique) row.exact = technique.exact;
         row.device = place_.device.description().name;
@@ -291,15 +312,14 @@ public:
 private:
     // A picture's points face by their camera's eye.
     RunOptions options() const {
-        return {.facing = question_.picture ? Facing::automatic() : Facing::normals(normals_.positions())};
+        return {.facing = question_.picture ? Facing::automatic() : Facing::normals(in_.normals.positions())};
     }
 
     const LightsQuestion& question_;
     const Place& place_;
     Configuration configuration_;
     std::unique_ptr<Technique> technique_;
-    Triangles triangles_;
-    Points points_, normals_;
+    Inputs in_;
     Visibility counts_, sums_;  ///< buffers of the right size
     Statistics statistics_;
 };
@@ -350,8 +370,10 @@ void finish(Entered& entered) {
 
 }  // namespace
 
+bool is_terrain_scene(const NamedScene& scene) { return scene.name.starts_with("terrain"); }
+
 LightsQuestion::LightsQuestion(const Place& place, const ManyLights& asked) : scene(place.scene) {
-    const bool is_terrain = scene.name.starts_with("terrain"), are_pixels = !asked.view.empty();
+    const bool is_terrain = is_terrain_scene(scene), are_pixels = !asked.view.empty();
     if (are_pixels)
         points_of_pixels(*this, place, asked);
     else if (is_terrain)
@@ -386,7 +408,12 @@ LightsQuestion::LightsQuestion(const Place& place, const ManyLights& asked) : sc
 
 std::unique_ptr<LightsContestant> make_own_contestant(const LightsQuestion& question, const Place& place,
                                                       const Configuration& configuration) {
-    return std::make_unique<OwnLightsContestant>(question, place, configuration);
+    return std::make_unique<OwnLightsContestant>(question, place, configuration, inputs_of(question, place));
+}
+
+std::unique_ptr<LightsContestant> make_raster_contestant(const LightsQuestion& question, const Place& place,
+                                                         const Configuration& configuration) {
+    return std::make_unique<OwnLightsContestant>(question, place, configuration, inputs_of_raster(question, place));
 }
 
 std::vector<Row> run_contestants(const LightsQuestion& question,

@@ -6,7 +6,7 @@
 // picture's pixels. Decisions are the pairs whose light is in front of the point's normal. Timed runs write the number
 // of lights that reach each point; one run before them, which is not timed, writes all bits, and these are compared.
 // Outside of all times: gnomon's clusters, the rival's tree, and the rival's order of points and lights. gnomon's times
-// contain its own tree and order.
+// contain its own tree and order. A terrain is asked about twice, as triangles and as an implicit raster.
 #pragma once
 
 #include <memory>
@@ -32,6 +32,8 @@ struct ManyLights {
     std::string view;
     Size size;
 };
+
+bool is_terrain_scene(const NamedScene& scene);
 
 struct LightsQuestion {
     LightsQuestion(const Place& place, const ManyLights& asked);
@@ -79,6 +81,9 @@ public:
 
 std::unique_ptr<LightsContestant> make_own_contestant(const LightsQuestion& question, const Place& place,
                                                       const Configuration& configuration);
+/// The same for a terrain's raster: Triangles::raster() in place of its triangles.
+std::unique_ptr<LightsContestant> make_raster_contestant(const LightsQuestion& question, const Place& place,
+                                                         const Configuration& configuration);
 /// Embree's best of medium and high quality times 16 points x 1 light, 1 point x 16 lights and streams, as measured on
 /// a sample of the points. None without Embree.
 std::vector<std::unique_ptr<LightsContestant>> make_light_peers(const LightsQuestion& question, unsigned threads);

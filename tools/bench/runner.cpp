@@ -262,12 +262,15 @@ void Runner::run_many_lights(const Block& block, const NamedScene& scene) {
         const Place place(selector, scene, false);
         const LightsQuestion question(place, *block.many_lights);
         std::vector<std::unique_ptr<LightsContestant>> contestants;
-        const bool is_height_field = scene.name.starts_with("terrain");
+        const bool is_height_field = is_terrain_scene(scene);
         const std::vector<Configuration> configurations =
             block.many_lights->every_way ? many_lights_configurations(question.lights.count(), is_height_field)
                                          : block.configurations;
         for (const Configuration& configuration : configurations)
             contestants.push_back(make_own_contestant(question, place, configuration));
+        if (is_height_field && question.are_vertices() && !block.many_lights->every_way)
+            for (const Configuration& configuration : configurations)
+                contestants.push_back(make_raster_contestant(question, place, configuration));
         if (block.peers && selector == options_.devices.front())
             std::ranges::move(make_light_peers(question, options_.threads), std::back_inserter(contestants));
         for (Row& row : run_contestants(question, contestants, options_.rule)) {
