@@ -63,7 +63,7 @@ gnomon_wing(prepared prepared_light unshadowed_triangles prepared_facing prepare
 gnomon_wing(lights lights light_bundle light_bundles position_bundles light_sides light_sums point_order many_lights
             lights_method)
 gnomon_wing(horizons height_field strip_triangle strip_walk horizons raster sweep_rays sweeps)
-gnomon_wing(bvh binary_tree bvh_rows wide_bvh raster_bvh)
+gnomon_wing(bvh binary_tree bvh_rows tree_costs wide_bvh raster_bvh)
 gnomon_wing(beams beam beam_lanes bvh_leaf beam_sides point_light_planes beam_intersect beam_walk point_beam)
 gnomon_wing(packets parallel_packets converging_packets ray_packets)
 gnomon_wing(light_tables light_masks beam_trace point_beam_trace method_costs light_tables implicit_rasters)

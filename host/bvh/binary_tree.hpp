@@ -24,21 +24,28 @@ private:
     float largest_coordinate_ = 0;
 };
 
+/// More leaves than these would take too much memory: 576 bytes each on a CPU, however few triangles they have.
+std::uint32_t most_leaves(std::uint32_t triangles);
+
 class BinaryTree {
 public:
-    /// Builds the tree over at least one triangle. `width`: the number of ranks of a unit. `is_balanced`: neighbours
-    /// along the curve are joined whatever their boxes are, which fills the units.
+    /// Builds the tree over at least one triangle, and the costs of wide nodes of `width` children. `is_balanced`:
+    /// neighbours along the curve are joined whatever their boxes are, which fills the leaves.
     BinaryTree(cl::Session& session, const TriangleInputs& triangles, const TriangleCurve& curve, std::uint32_t width,
                bool is_balanced);
 
     /// A node, or TREE_TRIANGLE.
     std::uint32_t root() const { return root_; }
     const cl::Buffer& nodes() const { return nodes_; }
-    const cl::Buffer& ranks() const { return ranks_; }
+    const cl::Buffer& rows() const { return rows_; }
+    const cl::Buffer& costs() const { return costs_; }
+    /// False: there would be more leaves than most_leaves().
+    bool has_costs() const { return has_costs_; }
 
 private:
-    cl::Buffer nodes_, ranks_;
+    cl::Buffer nodes_, rows_, costs_;
     std::uint32_t root_ = 0;
+    bool has_costs_ = false;
 };
 
 }  // namespace gnomon

@@ -6,13 +6,6 @@
 #include <vector>
 
 namespace gnomon {
-namespace {
-
-// The least mean number of triangles in a leaf. A leaf takes 576 bytes on a CPU, however few triangles it has.
-constexpr std::uint32_t fewest_triangles_of_leaf = 4;
-
-}  // namespace
-
 WideBvh::WideBvh(const Device& device, const Triangles& given) : device_(device), triangles_(given) {
     if (const ImplicitRaster* raster = Internals::raster(given)) {
         build_over(*raster);
@@ -43,23 +36,22 @@ bool WideBvh::build(const TriangleInputs& triangles, const TriangleCurve& curve,
         return true;
     }
     const BinaryTree binary(session, triangles, curve, width, is_balanced);
+    if (!is_balanced && !binary.has_costs()) return false;
     WideBvhParams params{};
     params.triangles = triangles;
     params.node_capacity = curve.count() / 64 + 64;
-    params.leaf_capacity = curve.count() / fewest_triangles_of_leaf + 64;
+    params.leaf_capacity = most_leaves(curve.count());
     const std::uint32_t max_levels = (MAX_STACK_ENTRIES - 2) / (width - 1);
     cl::Buffer leaf_roots(session, params.leaf_capacity * sizeof(cl_uint));
     for (;;) {
         const Made made = make_nodes(params, curve, binary, leaf_roots);
-        if (!is_balanced && (made.leaves > params.leaf_capacity || made.levels > max_levels)) return false;
-        if (made.nodes <= params.node_capacity && made.leaves <= params.leaf_capacity) {
+        if (!is_balanced && made.levels > max_levels) return false;
+        if (made.nodes <= params.node_capacity) {
             leaf_count_ = made.leaves;
             make_leaves(params, made.leaves, curve, binary, leaf_roots);
             return true;
         }
         params.node_capacity = std::max(params.node_capacity, made.nodes) * 2;
-        params.leaf_capacity = std::max(params.leaf_capacity, made.leaves);
-        leaf_roots.reserve(session, params.leaf_capacity * sizeof(cl_uint));
     }
 }
 
@@ -77,10 +69,11 @@ WideBvh::Made WideBvh::make_nodes(WideBvhParams params, const TriangleCurve& cur
     session.write(counters.get(), &counted, sizeof(counted));
     Made made{1, 0, 0};
     levels_ = {0, 1};
-    while (params.first < made.nodes && made.nodes <= params.node_capacity && made.leaves <= params.leaf_capacity) {
+    while (params.first < made.nodes && made.nodes <= params.node_capacity) {
         params.count = made.nodes - params.first;
         session.launch("bvh/wide_bvh.cl", "bvh_nodes", cl::Range::items(params.count), params, triangles.vertices,
-                       curve.numbers(), binary.nodes(), binary.ranks(), nodes_, node_roots, leaf_roots, counters);
+                       curve.numbers(), binary.nodes(), binary.costs(), binary.rows(), nodes_, node_roots, leaf_roots,
+                       counters);
         counted = session.read_value<WideBvhCounters>(counters);
         params.first = made.nodes;
         made = {counted.nodes, counted.leaves, made.levels + 1};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Makes the binary tree over a scene's triangles (binary_tree.h), round by round.
-#include "bvh/binary_tree.h"
+#include "bvh/tree_costs.clh"
 #include "simd/lanes.clh"
 
 // The first cluster's value in a row.
@@ -87,35 +87,47 @@ __kernel void tree_kept(const BinaryTreeParams params, __global const uint* near
     GN_FOR_EACH(i, params.count) kept[i] = is_second_of_pair(nearest, (uint)i) ? 0u : 1u;
 }
 
-// The rank of a node with children of the ranks a and b. A child whose unit has the lower level is one part.
-static uint joined_rank(uint a, uint b, uint width) {
-    uint level = max(RANK_LEVEL(a), RANK_LEVEL(b));
-    uint parts = (RANK_LEVEL(a) == level ? RANK_PARTS(a) : 1u) + (RANK_LEVEL(b) == level ? RANK_PARTS(b) : 1u);
-    return parts <= width ? TREE_RANK(level, parts) : TREE_RANK(level + 1u, 2u);
+static void load_box(__global float* clusters, const BinaryTreeParams params, uint i, float* box) {
+    for (uint row = 0; row < TREE_BOX_ROWS; ++row) box[row] = box_row(clusters, params, row)[i];
 }
 
-// Writes the clusters of the next round, cluster i to slots[i], and the nodes and ranks of the joined clusters.
+// Half the area of a box.
+static float area_of_box(const float* box) {
+    float3 size = {box[3] - box[0], box[4] - box[1], box[5] - box[2]};
+    return size.x * size.y + size.y * size.z + size.z * size.x;
+}
+
+// Writes the clusters of the next round, cluster i to slots[i], and the nodes, rows and costs of the joined clusters.
 __kernel void tree_join(const BinaryTreeParams params, __global float* clusters, __global const uint* nearest,
                         __global const uint* slots, __global float* joined, __global BinaryNode* nodes,
-                        __global uint* ranks) {
+                        __global uint* rows, __global float* costs, volatile __global uint* row_count) {
     GN_FOR_EACH(item, params.count) {
         uint i = (uint)item, other = nearest[i], slot = slots[i];
         if (is_second_of_pair(nearest, i)) continue;
-        float box[6];
-        for (uint row = 0; row < 6u; ++row) box[row] = box_row(clusters, params, row)[i];
+        float box[TREE_BOX_ROWS];
+        load_box(clusters, params, i, box);
         __global const uint *children = word_row(clusters, params, 0u), *owners = word_row(clusters, params, 1u);
         uint child = children[i];
         if (other > i && nearest[other] == i) {
+            uint right = children[other], node = owners[other], first = row_of_child(rows, child),
+                 second = row_of_child(rows, right);
+            float others[TREE_BOX_ROWS], area = area_of_box(box);
+            load_box(clusters, params, other, others);
             for (uint row = 0; row < 3u; ++row) {
-                box[row] = fmin(box[row], box_row(clusters, params, row)[other]);
-                box[3u + row] = fmax(box[3u + row], box_row(clusters, params, 3u + row)[other]);
+                box[row] = fmin(box[row], others[row]);
+                box[3u + row] = fmax(box[3u + row], others[3u + row]);
             }
-            uint right = children[other], node = owners[other];
             nodes[node] = (BinaryNode){{box[0], box[1], box[2]}, child, {box[3], box[4], box[5]}, right};
-            ranks[node] = joined_rank(rank_of_child(ranks, child), rank_of_child(ranks, right), params.width);
+            if (is_small(first) && is_small(second) && is_small(first + second))
+                rows[node] = first + second;
+            else
+                rows[node] = store_costs(costs, row_count, params.row_capacity,
+                                         costs_of_both(costs_of_child(costs, first, area),
+                                                       costs_of_child(costs, second, area_of_box(others))),
+                                         area_of_box(box));
             child = node;
         }
-        for (uint row = 0; row < 6u; ++row) box_row(joined, params, row)[slot] = box[row];
+        for (uint row = 0; row < TREE_BOX_ROWS; ++row) box_row(joined, params, row)[slot] = box[row];
         word_row(joined, params, 0u)[slot] = child;
         word_row(joined, params, 1u)[slot] = owners[i];
     }

@@ -15,12 +15,9 @@
 // A child is the index of a node or, with this bit, the index of a triangle along the curve.
 #define TREE_TRIANGLE 0x80000000u
 
-// The rank of a node says how wide nodes, of `width` children each, are best cut out of the binary tree. A unit of
-// level 0 has up to `width` triangles; a unit of level l + 1 has up to `width` units of lower levels. Each node is a
-// unit; its rank is the level of that unit and the number of its parts, which are triangles or lower units.
-#define TREE_RANK(level, parts) ((level) << 8 | (parts))
-#define RANK_LEVEL(rank) ((rank) >> 8)
-#define RANK_PARTS(rank) ((rank)&0xFFu)
+// A node of at most `width` triangles is small. Its word in `rows` is their number; that of another node is
+// TREE_FIRST_ROW(width) + the row of its costs, `width` floats (tree_costs.clh).
+#define TREE_FIRST_ROW(width) ((width) + 1u)
 
 GN_STRUCT_BEGIN(BinaryNode)
     float low[3];
@@ -37,15 +34,9 @@ GN_STRUCT_BEGIN(BinaryTreeParams)
     TrianglesLayout triangles;
     uint count;  // clusters of the round
     uint stride;
-    uint is_forced;  // 1: each cluster with an even index joins the next one
-    uint width;      // children of a wide node, for the ranks
+    uint is_forced;     // 1: each cluster with an even index joins the next one
+    uint row_capacity;  // of costs
 GN_STRUCT_END(BinaryTreeParams, 32)
 
 #define TREE_BOX_ROWS 6u
 #define TREE_ROWS 8u
-
-#ifndef __cplusplus
-static uint rank_of_child(__global const uint* ranks, uint child) {
-    return (child & TREE_TRIANGLE) != 0u ? TREE_RANK(0u, 1u) : ranks[child];
-}
-#endif

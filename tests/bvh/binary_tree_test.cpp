@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Stage binary_tree: the curve has each finite triangle once; the tree has each triangle of the curve as one leaf, in
-// boxes that its children's boxes fill, with ranks as the contract defines them; and each cluster joins the neighbour
+// boxes that its children's boxes fill, with costs as their definition says; and each cluster joins the neighbour
 // that its contract names.
 #include "bvh/binary_tree.hpp"
 
@@ -42,12 +42,19 @@ Box around(const Box& a, const Box& b) {
     return box;
 }
 
+float half_area(const Box& box) {
+    const float x = box.high[0] - box.low[0], y = box.high[1] - box.low[1], z = box.high[2] - box.low[2];
+    return x * y + y * z + z * x;
+}
+
 /// A tree that was read, walked from its root.
 struct ReadTree {
     std::vector<BinaryNode> nodes;
-    std::vector<std::uint32_t> ranks, numbers;  ///< numbers: of the triangles along the curve
+    std::vector<std::uint32_t> rows, numbers;  ///< numbers: of the triangles along the curve
+    std::vector<float> costs;
     const Floats& triangles;
     std::uint32_t width;
+    bool has_costs;
     std::vector<std::uint32_t> times_met{};  ///< of each triangle along the curve
     std::size_t nodes_met = 0;
 };
@@ -57,15 +64,23 @@ struct Below {
     std::size_t triangles, height;
 };
 
-std::uint32_t level_of(const ReadTree& tree, std::uint32_t child) {
-    return (child & TREE_TRIANGLE) != 0 ? 0 : RANK_LEVEL(tree.ranks.at(child));
+/// The cost of a child for each room from 1 on, by its definition (kernels/bvh/tree_costs.clh).
+std::vector<float> costs_of(const ReadTree& tree, std::uint32_t child, const Below& below) {
+    if (below.triangles <= tree.width) return std::vector<float>(tree.width, half_area(below.box));
+    const auto row = tree.costs.begin() + (tree.rows.at(child) - TREE_FIRST_ROW(tree.width)) * tree.width;
+    return {row, row + tree.width};
 }
 
-/// The units of lower levels, or triangles, of which a node of this level consists.
-std::uint32_t parts_below(const ReadTree& tree, std::uint32_t child, std::uint32_t level) {
-    if ((child & TREE_TRIANGLE) != 0 || level_of(tree, child) < level) return 1;
-    const BinaryNode& node = tree.nodes.at(child);
-    return parts_below(tree, node.left, level) + parts_below(tree, node.right, level);
+void expect_least_costs(const std::vector<float>& found, const std::vector<float>& left,
+                        const std::vector<float>& right, float area) {
+    const auto of_both = [&](std::size_t room) {
+        float least = std::numeric_limits<float>::infinity();
+        for (std::size_t k = 1; k < room; ++k) least = std::min(least, left[k - 1] + right[room - k - 1]);
+        return least;
+    };
+    const float alone = area + of_both(found.size());
+    for (std::size_t room = 1; room <= found.size(); ++room)
+        EXPECT_FLOAT_EQ(found[room - 1], std::min(alone, of_both(room))) << "room " << room;
 }
 
 Below expect_subtree(ReadTree& tree, std::uint32_t child) {
@@ -84,10 +99,11 @@ Below expect_subtree(ReadTree& tree, std::uint32_t child) {
                     1 + std::max(left.height, right.height)};
     const Box stored{{node.low[0], node.low[1], node.low[2]}, {node.high[0], node.high[1], node.high[2]}};
     EXPECT_TRUE(stored == all.box) << "node " << child;
-    const std::uint32_t level = RANK_LEVEL(tree.ranks.at(child)), parts = RANK_PARTS(tree.ranks.at(child));
-    EXPECT_EQ(level == 0, all.triangles <= tree.width) << "node " << child;
-    EXPECT_EQ(parts, parts_below(tree, child, level)) << "node " << child;
-    EXPECT_TRUE(2 <= parts && parts <= tree.width) << "node " << child << " has " << parts << " parts";
+    if (all.triangles <= tree.width)
+        EXPECT_EQ(tree.rows.at(child), all.triangles) << "node " << child;
+    else if (tree.has_costs)
+        expect_least_costs(costs_of(tree, child, all), costs_of(tree, node.left, left),
+                           costs_of(tree, node.right, right), half_area(all.box));
     return all;
 }
 
@@ -101,8 +117,13 @@ void expect_tree(const gnomon::Device& device, const TreeScene& scene, std::uint
     if (numbers.empty()) return;
     const gnomon::BinaryTree tree(session, inputs, curve, width, is_balanced);
     ReadTree read{downloaded<BinaryNode>(session, tree.nodes().get(), curve.count()),
-                  downloaded<std::uint32_t>(session, tree.ranks().get(), curve.count()), numbers, scene.triangles,
-                  width};
+                  downloaded<std::uint32_t>(session, tree.rows().get(), curve.count()),
+                  numbers,
+                  downloaded<float>(session, tree.costs().get(), tree.costs().bytes() / sizeof(float)),
+                  scene.triangles,
+                  width,
+                  tree.has_costs()};
+    EXPECT_TRUE(tree.has_costs() || !is_balanced);
     std::ranges::sort(numbers);
     EXPECT_EQ(numbers, finite_triangles(scene.triangles));
     read.times_met.assign(curve.count(), 0);

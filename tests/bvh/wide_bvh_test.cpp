@@ -17,6 +17,10 @@ using namespace support;
 
 struct Box {
     Float3 low, high;
+    double half_area() const {
+        const double x = high[0] - low[0], y = high[1] - low[1], z = high[2] - low[2];
+        return x * y + y * z + z * x;
+    }
     bool contains(const float* vertex) const {
         for (std::size_t c = 0; c < 3; ++c)
             if (!(low[c] <= vertex[c] && vertex[c] <= high[c])) return false;
@@ -38,6 +42,7 @@ public:
 
     std::multiset<std::uint32_t> found;
     std::size_t levels = 0, leaves = 0;
+    double areas = 0;  ///< half the sum of all nodes' and leaves' areas, but for the root's
 
 private:
     void walk_node(std::uint32_t node, std::vector<Box> around, std::size_t level) {
@@ -50,6 +55,7 @@ private:
             std::uint32_t code = 0;
             std::memcpy(&code, &at[6 * width_], sizeof(code));
             around.push_back(box);
+            areas += box.half_area();
             if ((code & BVH_LEAF) != 0)
                 read_leaf(code & ~BVH_LEAF, around);
             else
@@ -94,6 +100,34 @@ TEST(WideBvh, HoldsEachFiniteTriangleOnceAndIsLow) {
             EXPECT_EQ(read.found, (std::multiset<std::uint32_t>(finite.begin(), finite.end())));
             EXPECT_LE(read.levels * (width - 1) + 2, MAX_STACK_ENTRIES);
             EXPECT_LE(read.leaves, finite.size() / 4 + 64);
+        }
+    }
+}
+
+/// The cost of the whole binary tree, without the root's area.
+double least_areas(const gnomon::Device& device, const Floats& vertices) {
+    gnomon::cl::Session& session = gnomon::session_of(device);
+    const auto triangles = gnomon::Triangles::upload(device, vertices);
+    const gnomon::TriangleInputs inputs = gnomon::triangle_inputs(triangles);
+    const gnomon::TriangleCurve curve(session, inputs);
+    const std::uint32_t width = gnomon::bvh_width(session);
+    const gnomon::BinaryTree tree(session, inputs, curve, width, false);
+    const auto node = downloaded<gnomon::BinaryNode>(session, tree.nodes().get(), curve.count()).at(tree.root());
+    const auto row = downloaded<std::uint32_t>(session, tree.rows().get(), curve.count()).at(tree.root());
+    const auto costs = downloaded<float>(session, tree.costs().get(), tree.costs().bytes() / sizeof(float));
+    const Box box{{node.low[0], node.low[1], node.low[2]}, {node.high[0], node.high[1], node.high[2]}};
+    return double(costs.at((row - TREE_FIRST_ROW(width)) * width)) - box.half_area();
+}
+
+TEST(WideBvh, IsTheCutOfLeastAreas) {
+    for (const bool gpu_kernels : {false, true}) {
+        const gnomon::Device device = device_of(gpu_kernels);
+        for (const std::uint32_t count : {40u, 700u, 20'000u}) {
+            const Floats triangles = strewn_triangles(count, 3, 7);
+            const ReadTree read(device, gnomon::WideBvh(device, gnomon::Triangles::upload(device, triangles)),
+                                triangles);
+            const double least = least_areas(device, triangles);
+            EXPECT_NEAR(read.areas, least, 1e-4 * least) << count << " triangles";
         }
     }
 }
