@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Makes the binary tree over a scene's triangles (binary_tree.h), round by round.
 #include "bvh/tree_costs.clh"
-#include "simd/lanes.clh"
 
 // The first cluster's value in a row.
 static __global float* box_row(__global float* clusters, const BinaryTreeParams params, uint row) {
@@ -27,12 +26,6 @@ __kernel void tree_leaves(const BinaryTreeParams params, __global const float* v
         word_row(clusters, params, 1u)[i] = (uint)i;
     }
 }
-
-#if GN_LANES > 1
-#define TREE_LOAD(row) vload16(0, row)
-#else
-#define TREE_LOAD(row) (*(row))
-#endif
 
 // Half the areas of the boxes around cluster i and each of GN_LANES clusters from `first` on; infinity past the last.
 static LaneFloat joined_areas(__global float* clusters, const BinaryTreeParams params, int i, int first) {
