@@ -4,12 +4,12 @@
 #   test.sh          does what run.sh does, then runs all tests but the exhaustive ones
 #   test.sh quick    the laws of every stage on small scenes, some minutes after a build
 #   test.sh WING     the tests of one wing (host/stages.cmake), or of another folder of tests/
-#   test.sh --ci     all that CI runs: first the format, and warnings as errors; the exhaustive tests too; six frames
-#                    beside the last release's, if 55 minutes are not over (tools/speed_guard.py); the shell blocks of the pages
-#                    (tests/build/pages.py); the page of gnomon view (tools/test_view.sh); the Python package
-#                    (tools/test_python.sh); other drivers (tools/test_drivers.sh); and, if 55 minutes are still not over,
-#                    library and command, and the tests that use them as users do, once more under AddressSanitizer
-#                    and UndefinedBehaviorSanitizer, and the fuzzers
+#   test.sh --ci     all that CI runs: first the format, and warnings as errors; the exhaustive tests too; the shell
+#                    blocks of the pages (tests/build/pages.py); the page of gnomon view (tools/test_view.sh); the
+#                    Python package (tools/test_python.sh); other drivers (tools/test_drivers.sh). A machine that
+#                    takes more than 55 minutes before leaves out, and says so: six frames beside the last release's
+#                    (tools/speed_guard.py); library and command, and the tests that use them as users do, once more
+#                    under AddressSanitizer and UndefinedBehaviorSanitizer; the fuzzers
 # GNOMON_TEST_TIME_SCALE=N in the environment makes all time limits N times as long, for a slow machine.
 set -euo pipefail
 cd "$(dirname "$0")/.."

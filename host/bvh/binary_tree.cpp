@@ -41,13 +41,13 @@ BinaryTree::BinaryTree(cl::Session& session, const TriangleInputs& triangles, co
                             .count = curve.count(),
                             .stride = curve.count() + 2 * TREE_REACH,
                             .is_forced = is_balanced ? 1u : 0u,
-                            .row_capacity = most_leaves(curve.count())};
+                            .slot_capacity = most_leaves(curve.count())};
     const std::size_t words = params.count * sizeof(cl_uint);
     nodes_.reserve(session, params.count * sizeof(BinaryNode));
-    rows_.reserve(session, words);
-    costs_.reserve(session, params.row_capacity * width * sizeof(cl_float));
-    cl::Buffer row_count(session, sizeof(cl_uint));
-    session.fill(row_count.get(), 0, sizeof(cl_uint));
+    cost_slots_.reserve(session, words);
+    costs_.reserve(session, params.slot_capacity * width * sizeof(cl_float));
+    cl::Buffer used_slots(session, sizeof(cl_uint));
+    session.fill(used_slots.get(), 0, sizeof(cl_uint));
     cl::Buffer clusters(session, std::size_t(params.stride) * TREE_ROWS * sizeof(float));
     cl::Buffer joined(session, clusters.bytes()), nearest(session, words), kept(session, words);
     cl::Buffer slots(session, words + sizeof(cl_uint));
@@ -59,8 +59,8 @@ BinaryTree::BinaryTree(cl::Session& session, const TriangleInputs& triangles, co
         session.launch(file, "tree_nearest", each, params, clusters, nearest);
         session.launch(file, "tree_kept", each, params, nearest, kept);
         scan.run(session, params.count, kept, slots);
-        session.launch(file, "tree_join", each, params, clusters, nearest, slots, joined, nodes_, rows_, costs_,
-                       row_count);
+        session.launch(file, "tree_join", each, params, clusters, nearest, slots, joined, nodes_, cost_slots_, costs_,
+                       used_slots);
         std::uint32_t left = 0;
         session.read(slots.get(), &left, sizeof(left), params.count * sizeof(cl_uint));
         params.is_forced = is_balanced || params.count - left < params.count / slow_round ? 1u : 0u;
@@ -69,7 +69,7 @@ BinaryTree::BinaryTree(cl::Session& session, const TriangleInputs& triangles, co
     }
     const std::size_t row = std::size_t(params.stride) * TREE_BOX_ROWS + TREE_REACH;
     session.read(clusters.get(), &root_, sizeof(root_), row * sizeof(cl_uint));
-    has_costs_ = session.read_value<cl_uint>(row_count) < params.row_capacity;
+    has_costs_ = session.read_value<cl_uint>(used_slots) < params.slot_capacity;
 }
 
 }  // namespace gnomon

@@ -37,13 +37,13 @@ public:
     /// A node, or TREE_TRIANGLE.
     std::uint32_t root() const { return root_; }
     const cl::Buffer& nodes() const { return nodes_; }
-    const cl::Buffer& rows() const { return rows_; }
+    const cl::Buffer& cost_slots() const { return cost_slots_; }
     const cl::Buffer& costs() const { return costs_; }
     /// False: there would be more leaves than most_leaves().
     bool has_costs() const { return has_costs_; }
 
 private:
-    cl::Buffer nodes_, rows_, costs_;
+    cl::Buffer nodes_, cost_slots_, costs_;
     std::uint32_t root_ = 0;
     bool has_costs_ = false;
 };

@@ -72,8 +72,8 @@ WideBvh::Made WideBvh::make_nodes(WideBvhParams params, const TriangleCurve& cur
     while (params.first < made.nodes && made.nodes <= params.node_capacity) {
         params.count = made.nodes - params.first;
         session.launch("bvh/wide_bvh.cl", "bvh_nodes", cl::Range::items(params.count), params, triangles.vertices,
-                       curve.numbers(), binary.nodes(), binary.costs(), binary.rows(), nodes_, node_roots, leaf_roots,
-                       counters);
+                       curve.numbers(), binary.nodes(), binary.costs(), binary.cost_slots(), nodes_, node_roots,
+                       leaf_roots, counters);
         counted = session.read_value<WideBvhCounters>(counters);
         params.first = made.nodes;
         made = {counted.nodes, counted.leaves, made.levels + 1};

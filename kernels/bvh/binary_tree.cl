@@ -90,10 +90,10 @@ static float area_of_box(const float* box) {
     return size.x * size.y + size.y * size.z + size.z * size.x;
 }
 
-// Writes the clusters of the next round, cluster i to slots[i], and the nodes, rows and costs of the joined clusters.
+// Writes the clusters of the next round, cluster i to slots[i], and the nodes and costs of the joined clusters.
 __kernel void tree_join(const BinaryTreeParams params, __global float* clusters, __global const uint* nearest,
                         __global const uint* slots, __global float* joined, __global BinaryNode* nodes,
-                        __global uint* rows, __global float* costs, volatile __global uint* row_count) {
+                        __global uint* cost_slots, __global float* costs, volatile __global uint* used_slots) {
     GN_FOR_EACH(item, params.count) {
         uint i = (uint)item, other = nearest[i], slot = slots[i];
         if (is_second_of_pair(nearest, i)) continue;
@@ -102,8 +102,8 @@ __kernel void tree_join(const BinaryTreeParams params, __global float* clusters,
         __global const uint *children = word_row(clusters, params, 0u), *owners = word_row(clusters, params, 1u);
         uint child = children[i];
         if (other > i && nearest[other] == i) {
-            uint right = children[other], node = owners[other], first = row_of_child(rows, child),
-                 second = row_of_child(rows, right);
+            uint right = children[other], node = owners[other], first = slot_of_child(cost_slots, child),
+                 second = slot_of_child(cost_slots, right);
             float others[TREE_BOX_ROWS], area = area_of_box(box);
             load_box(clusters, params, other, others);
             for (uint row = 0; row < 3u; ++row) {
@@ -112,12 +112,12 @@ __kernel void tree_join(const BinaryTreeParams params, __global float* clusters,
             }
             nodes[node] = (BinaryNode){{box[0], box[1], box[2]}, child, {box[3], box[4], box[5]}, right};
             if (is_small(first) && is_small(second) && is_small(first + second))
-                rows[node] = first + second;
+                cost_slots[node] = first + second;
             else
-                rows[node] = store_costs(costs, row_count, params.row_capacity,
-                                         costs_of_both(costs_of_child(costs, first, area),
-                                                       costs_of_child(costs, second, area_of_box(others))),
-                                         area_of_box(box));
+                cost_slots[node] = store_costs(costs, used_slots, params.slot_capacity,
+                                               costs_of_both(costs_of_child(costs, first, area),
+                                                             costs_of_child(costs, second, area_of_box(others))),
+                                               area_of_box(box));
             child = node;
         }
         for (uint row = 0; row < TREE_BOX_ROWS; ++row) box_row(joined, params, row)[slot] = box[row];

@@ -15,9 +15,9 @@
 // A child is the index of a node or, with this bit, the index of a triangle along the curve.
 #define TREE_TRIANGLE 0x80000000u
 
-// A node of at most `width` triangles is small. Its word in `rows` is their number; that of another node is
-// TREE_FIRST_ROW(width) + the row of its costs, `width` floats (tree_costs.clh).
-#define TREE_FIRST_ROW(width) ((width) + 1u)
+// A node of at most `width` triangles is small. Its word in `cost_slots` is their number; that of another node is
+// TREE_FIRST_SLOT(width) + the slot of its costs, `width` floats (tree_costs.clh).
+#define TREE_FIRST_SLOT(width) ((width) + 1u)
 
 GN_STRUCT_BEGIN(BinaryNode)
     float low[3];
@@ -34,8 +34,8 @@ GN_STRUCT_BEGIN(BinaryTreeParams)
     TrianglesLayout triangles;
     uint count;  // clusters of the round
     uint stride;
-    uint is_forced;     // 1: each cluster with an even index joins the next one
-    uint row_capacity;  // of costs
+    uint is_forced;      // 1: each cluster with an even index joins the next one
+    uint slot_capacity;  // of costs
 GN_STRUCT_END(BinaryTreeParams, 32)
 
 #define TREE_BOX_ROWS 6u

@@ -14,15 +14,15 @@ static void write_box_of_child(const WideBvhParams params, __global const float*
     }
 }
 
-// Makes the nodes of one level, and lists the roots of their children: of the next level's nodes, and of leaves. If a
-// counter exceeds its capacity, the host enlarges the buffers and begins again.
+// Makes the nodes of one level, and lists the roots of their children: of the next level's nodes, and of leaves. If
+// there are more nodes than there is room for, the host enlarges the buffers and begins again.
 __kernel void bvh_nodes(const WideBvhParams params, __global const float* vertices, __global const uint* numbers,
-                        __global const BinaryNode* binary, __global const float* costs, __global const uint* rows,
+                        __global const BinaryNode* binary, __global const float* costs, __global const uint* cost_slots,
                         __global float* nodes, __global uint* node_roots, __global uint* leaf_roots,
                         __global WideBvhCounters* counters) {
     GN_FOR_EACH(i, params.count) {
         uint children[BVH_WIDTH];
-        uint count = choose_children(binary, costs, rows, node_roots[params.first + i], children);
+        uint count = choose_children(binary, costs, cost_slots, node_roots[params.first + i], children);
         __global float* node = nodes + (params.first + i) * (BVH_NODE_ROWS * BVH_WIDTH);
         __global uint* codes = (__global uint*)node + 6u * BVH_WIDTH;
         for (uint k = 0; k < BVH_WIDTH; ++k) {
@@ -32,7 +32,7 @@ __kernel void bvh_nodes(const WideBvhParams params, __global const float* vertic
                 continue;
             }
             write_box_of_child(params, vertices, numbers, binary, children[k], node, k);
-            bool is_leaf = is_small(row_of_child(rows, children[k]));
+            bool is_leaf = is_small(slot_of_child(cost_slots, children[k]));
             uint slot = atomic_inc(is_leaf ? &counters->leaves : &counters->nodes);
             if (slot < (is_leaf ? params.leaf_capacity : params.node_capacity))
                 (is_leaf ? leaf_roots : node_roots)[slot] = children[k];

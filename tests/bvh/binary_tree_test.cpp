@@ -50,7 +50,7 @@ float half_area(const Box& box) {
 /// A tree that was read, walked from its root.
 struct ReadTree {
     std::vector<BinaryNode> nodes;
-    std::vector<std::uint32_t> rows, numbers;  ///< numbers: of the triangles along the curve
+    std::vector<std::uint32_t> cost_slots, numbers;  ///< numbers: of the triangles along the curve
     std::vector<float> costs;
     const Floats& triangles;
     std::uint32_t width;
@@ -67,8 +67,8 @@ struct Below {
 /// The cost of a child for each room from 1 on, by its definition (kernels/bvh/tree_costs.clh).
 std::vector<float> costs_of(const ReadTree& tree, std::uint32_t child, const Below& below) {
     if (below.triangles <= tree.width) return std::vector<float>(tree.width, half_area(below.box));
-    const auto row = tree.costs.begin() + (tree.rows.at(child) - TREE_FIRST_ROW(tree.width)) * tree.width;
-    return {row, row + tree.width};
+    const auto first = tree.costs.begin() + (tree.cost_slots.at(child) - TREE_FIRST_SLOT(tree.width)) * tree.width;
+    return {first, first + tree.width};
 }
 
 void expect_least_costs(const std::vector<float>& found, const std::vector<float>& left,
@@ -100,7 +100,7 @@ Below expect_subtree(ReadTree& tree, std::uint32_t child) {
     const Box stored{{node.low[0], node.low[1], node.low[2]}, {node.high[0], node.high[1], node.high[2]}};
     EXPECT_TRUE(stored == all.box) << "node " << child;
     if (all.triangles <= tree.width)
-        EXPECT_EQ(tree.rows.at(child), all.triangles) << "node " << child;
+        EXPECT_EQ(tree.cost_slots.at(child), all.triangles) << "node " << child;
     else if (tree.has_costs)
         expect_least_costs(costs_of(tree, child, all), costs_of(tree, node.left, left),
                            costs_of(tree, node.right, right), half_area(all.box));
@@ -117,7 +117,7 @@ void expect_tree(const gnomon::Device& device, const TreeScene& scene, std::uint
     if (numbers.empty()) return;
     const gnomon::BinaryTree tree(session, inputs, curve, width, is_balanced);
     ReadTree read{downloaded<BinaryNode>(session, tree.nodes().get(), curve.count()),
-                  downloaded<std::uint32_t>(session, tree.rows().get(), curve.count()),
+                  downloaded<std::uint32_t>(session, tree.cost_slots().get(), curve.count()),
                   numbers,
                   downloaded<float>(session, tree.costs().get(), tree.costs().bytes() / sizeof(float)),
                   scene.triangles,

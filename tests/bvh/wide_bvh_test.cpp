@@ -113,10 +113,10 @@ double least_areas(const gnomon::Device& device, const Floats& vertices) {
     const std::uint32_t width = gnomon::bvh_width(session);
     const gnomon::BinaryTree tree(session, inputs, curve, width, false);
     const auto node = downloaded<gnomon::BinaryNode>(session, tree.nodes().get(), curve.count()).at(tree.root());
-    const auto row = downloaded<std::uint32_t>(session, tree.rows().get(), curve.count()).at(tree.root());
+    const auto slot = downloaded<std::uint32_t>(session, tree.cost_slots().get(), curve.count()).at(tree.root());
     const auto costs = downloaded<float>(session, tree.costs().get(), tree.costs().bytes() / sizeof(float));
     const Box box{{node.low[0], node.low[1], node.low[2]}, {node.high[0], node.high[1], node.high[2]}};
-    return double(costs.at((row - TREE_FIRST_ROW(width)) * width)) - box.half_area();
+    return double(costs.at((slot - TREE_FIRST_SLOT(width)) * width)) - box.half_area();
 }
 
 TEST(WideBvh, IsTheCutOfLeastAreas) {
