@@ -48,8 +48,8 @@ gnomon_wing(query device errors inputs raster_triangles light_and_camera parts s
             library faults regressions leaves waits)
 
 # Lists: one light at a time, by rasterizing.
-gnomon_wing(receivers frame_grid light_frame footprint block_bounds facing facing_cache facing_bounds facing_blocks
-            facing_cpu facing_gpu backfacing vertex_fans
+gnomon_wing(receivers frame_grid light_frame footprint block_bounds facing facing_cache facing_blocks
+            facing_cpu facing_gpu facing_picture backfacing vertex_fans
             receiver_depth_pyramid light_frames)
 gnomon_wing(occluders bin_lists bin_overlap hull_bounds clusters cluster_boxes conservative_map triangle_setup
             triangle_bounds triangle_records eye_records tile_bins triangle_tiles bins occluder_lists)

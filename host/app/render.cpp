@@ -13,6 +13,7 @@
 #include <span>
 #include <utility>
 
+#include "compile_ahead.hpp"
 #include "output_files.hpp"
 #include "picture.hpp"
 #include "pictures.hpp"
@@ -166,16 +167,31 @@ Seen see_area_light(Report& report, const Device& device, Technique& technique, 
     return {triangles, view, {light.brightness}, {light.share.read()}, {}, light.irradiance.read()};
 }
 
-Seen see(Steps& steps, Report& report, const Device& device, Technique& technique, const scene::Scene& scene,
-         OutputFile* point_dump) {
+/// What the frames of a sequence share: programs are compiled once, buffers keep their memory, the file is read once.
+struct Shared {
+    SceneSource source;
+    std::optional<scene::Scene> first_scene;  ///< until the first frame takes it
+    std::unique_ptr<CompileAhead> ahead;      ///< until the first frame is done
+    Device device;
+    std::unique_ptr<Technique> technique;
+    std::optional<ChosenCamera> framing;  ///< the first frame's, for a scene without cameras
+    std::optional<double> exposure_ev;    ///< the first frame's
+    SurfaceTextures textures{};           ///< the last frame's
+};
+
+Seen see(Steps& steps, Report& report, Shared& shared, const scene::Scene& scene, OutputFile* point_dump) {
+    const Device& device = shared.device;
+    Technique& technique = *shared.technique;
     const auto [width, height] = report.options.size;
     const Triangles triangles = steps.run("upload_triangles", "copying the triangles to the device", [&] {
         Triangles uploaded = upload_triangles(device, scene);
         device.finish();
         return uploaded;
     });
-    const View view = steps.run("camera", "camera (compiles kernels the first time)",
-                                [&] { return look(device, triangles, report.camera.camera, width, height); });
+    const View view = steps.run("camera", "camera (compiles kernels the first time)", [&] {
+        if (shared.ahead) shared.ahead->wait_for_program_of_camera();
+        return look(device, triangles, report.camera.camera, width, height);
+    });
     report.camera_statistics = view.statistics;
     if (report.options.area_light) {
         if (point_dump) write_points(*point_dump, view.points.read(device));
@@ -315,16 +331,6 @@ ViewOnHost view_of(const Device& device, const Seen& seen) {
     return view;
 }
 
-/// What the frames of a sequence share: programs are compiled once, buffers keep their memory, the file is read once.
-struct Shared {
-    Device device;
-    std::unique_ptr<Technique> technique;
-    SceneSource source;
-    std::optional<ChosenCamera> framing;  ///< the first frame's, for a scene without cameras
-    std::optional<double> exposure_ev;    ///< the first frame's
-    SurfaceTextures textures{};           ///< the last frame's
-};
-
 std::vector<std::uint8_t> picture_of(Shared& shared, const scene::Scene& scene, Report& report, const Seen& seen,
                                      const SeenSurfaces* surfaces) {
     const RenderOptions& options = report.options;
@@ -390,16 +396,19 @@ void complete(Report& report, const Device& device, const scene::Scene& scene, c
     report.device_memory_peak_bytes = device.peak_memory_bytes();
 }
 
-/// All checks that can refuse the request at once: the device, the technique, the scene's file.
+/// All checks that can refuse the request at once: the scene's file, the device, the technique. The first scene is
+/// loaded before OpenCL is used, for CompileAhead.
 Shared prepare(Steps& steps, const RenderOptions& options) {
+    SceneSource source =
+        steps.run("read_scene", "reading the scene", [&] { return SceneSource(options, shows_surfaces(options)); });
+    scene::Scene scene = steps.run("load_scene", "loading the scene", [&] { return source.at(options.time_s); });
+    auto ahead = std::make_unique<CompileAhead>(options, scene);
     const Device device =
         steps.run("open_device", "opening the device", [&] { return open_device(options, options.profile); });
     steps.set_device(device);
     auto technique = steps.run("prepare_technique", "preparing the technique (compiles kernels the first time)",
                                [&] { return make_technique(device, options.technique, options.settings); });
-    SceneSource source =
-        steps.run("read_scene", "reading the scene", [&] { return SceneSource(options, shows_surfaces(options)); });
-    return {device, std::move(technique), std::move(source), {}, {}};
+    return {std::move(source), std::move(scene), std::move(ahead), device, std::move(technique), {}, {}};
 }
 
 double frame_time(const RenderOptions& options, double first_s, std::uint32_t frame) {
@@ -422,8 +431,9 @@ ChosenCamera camera_of_frame(const RenderOptions& options, const scene::Scene& s
 void render_picture(Steps& steps, Report& report, Shared& shared, Outputs& outputs) {
     const RenderOptions& options = report.options;
     const Device& device = shared.device;
-    const scene::Scene scene =
-        steps.run("load_scene", "loading the scene", [&] { return shared.source.at(options.time_s); });
+    const scene::Scene scene = shared.first_scene ? *std::exchange(shared.first_scene, std::nullopt)
+                                                  : steps.run("load_scene", "loading the scene",
+                                                              [&] { return shared.source.at(options.time_s); });
     require_exact_for_cut_outs(options, scene);
     report.camera = camera_of_frame(options, scene, shared);
     for (ChosenLight& light : choose_lights(options, scene)) report.lights.push_back({std::move(light), {}, {}});
@@ -433,7 +443,7 @@ void render_picture(Steps& steps, Report& report, Shared& shared, Outputs& outpu
     // The camera's view, then the points that each light reaches.
     const Seen seen = [&] {
         try {
-            return see(steps, report, device, *shared.technique, scene, outputs["dump-points"]);
+            return see(steps, report, shared, scene, outputs["dump-points"]);
         } catch (const OutOfDeviceMemory&) {
             if (!can_be_in_parts(options)) throw;
         }
@@ -456,6 +466,7 @@ void render_picture(Steps& steps, Report& report, Shared& shared, Outputs& outpu
 
     // The files, each complete before the first appears.
     write_files(steps, outputs, shared, scene, report, seen, surfaces.get());
+    if (const auto ahead = std::exchange(shared.ahead, nullptr)) ahead->note_picture();
     if (options.frames > 0) shared.exposure_ev = report.exposure_ev;
     complete(report, device, scene, seen);
     steps.finish();

@@ -84,6 +84,13 @@ std::vector<std::string> states_of_drivers(const fs::path& vendors) {
 
 }  // namespace
 
+fs::path cache_directory() {
+    if (const std::string own = environment("GNOMON_CACHE_DIR"); !own.empty()) return own;
+    if (const fs::path xdg = environment("XDG_CACHE_HOME"); !xdg.empty()) return xdg / "gnomon";
+    if (const fs::path home = environment("HOME"); !home.empty()) return home / ".cache" / "gnomon";
+    return {};
+}
+
 std::string environment(const char* variable) {
     const char* const value = std::getenv(variable);
     return value != nullptr ? value : "";

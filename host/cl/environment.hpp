@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <filesystem>
 #include <map>
 #include <string>
 
@@ -8,6 +9,9 @@ namespace gnomon::cl {
 
 /// Empty if the variable is not set.
 std::string environment(const char* variable);
+
+/// The folder of programs' binaries: GNOMON_CACHE_DIR, else by the user's; empty if there is none. It may not exist.
+std::filesystem::path cache_directory();
 
 /// Names a temporary folder in POCL_CACHE_DIR where PoCL could not write its kernels, since it would then start without
 /// a device, or end the process. Call it before OpenCL is loaded.

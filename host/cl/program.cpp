@@ -20,20 +20,20 @@
 namespace gnomon::cl {
 namespace {
 
-// On a CPU two programs have the kernels of every picture: PoCL takes .1 to .2 s to begin with a program, since it
-// reads OpenCL's headers anew, and .05 s to find a compiled program in its cache; and it makes code of those kernels of
-// a program alone that are launched. Only the first has a variant for cut-outs, so that a scene with cut-outs does not
-// build the second twice: a first start with leaves.glb takes .78 of that with one program. A GPU's compiler compiles
-// all kernels at once.
+// On a CPU two programs have the kernels of most pictures: PoCL takes .1 to .2 s to begin with a program, since it
+// reads OpenCL's headers anew, and .05 s to find a compiled program in its cache. It optimizes all functions of a
+// program, also of kernels that are not launched, so what few pictures need has programs of its own. Only the first has
+// a variant for cut-outs, so that a scene with cut-outs does not build the second twice: a first start with leaves.glb
+// takes .78 of that with one program. A GPU's compiler compiles all kernels at once.
 constexpr const char* occluder_program = "{occluders,camera,trace}/*.cl";
 const std::map<std::string, std::vector<std::string>> joint_programs = {
     {occluder_program,
      {"occluders/triangle_bounds.cl", "occluders/triangle_tiles.cl", "camera/camera.cl", "trace/trace.cl",
       "trace/exact_trace.cl"}},
     {"{lists,receivers,shading}/*.cl",
-     {"lists/fill.cl", "occluders/bins.cl", "receivers/facing_cpu.cl", "receivers/light_frame.cl",
-      "receivers/receiver_depth_pyramid.cl", "shading/mip_levels.cl", "shading/surface.cl", "shading/metering.cl",
-      "shading/shade.cl", "occluders/conservative_map.cl", "occluders/clusters.cl"}}};
+     {"lists/fill.cl", "occluders/bins.cl", "receivers/facing_picture.cl", "receivers/light_frame.cl",
+      "receivers/receiver_depth_pyramid.cl", "shading/mip_levels.cl", "shading/metering.cl", "shading/shade.cl",
+      "occluders/conservative_map.cl", "occluders/clusters.cl"}}};
 
 std::optional<std::string> content_of(const std::filesystem::path& file) {
     std::ifstream stream(file, std::ios::binary);
@@ -79,13 +79,6 @@ std::string hash_of(const std::string& text) {
     std::snprintf(name, sizeof(name), "%016llx%016llx", static_cast<unsigned long long>(a),
                   static_cast<unsigned long long>(b));
     return name;
-}
-
-std::filesystem::path cache_directory() {
-    if (const std::string own = environment("GNOMON_CACHE_DIR"); !own.empty()) return own;
-    if (const std::filesystem::path xdg = environment("XDG_CACHE_HOME"); !xdg.empty()) return xdg / "gnomon";
-    if (const std::filesystem::path home = environment("HOME"); !home.empty()) return home / ".cache" / "gnomon";
-    return {};
 }
 
 /// The time of the first launch of a kernel that no driver has seen. Its sine makes it a kernel that takes a driver

@@ -33,7 +33,7 @@ constexpr Variant variants[] = {
     {Task::decide_facing_footprints, cpu, {"receivers/facing_cpu.cl", "facing_cached_footprints"}},
     {Task::decide_facing_footprints, gpu, {"receivers/facing_gpu.cl", "facing_cached_footprints"}, specialised},
     // Sponza's two million points: 7.5 ms of one core, 10.5 with conditions for all kinds of points.
-    {Task::decide_facing_picture, cpu, {"receivers/facing_cpu.cl", "facing_picture_directional"}},
+    {Task::decide_facing_picture, cpu, {"receivers/facing_picture.cl", "facing_picture_directional"}},
     {Task::decide_facing_triangles, gpu, {"receivers/facing_gpu.cl", "facing_triangles"}, specialised},
     {Task::make_receiver_depths, any_device, {"receivers/receiver_depth_pyramid.cl", "receiver_depth_pyramid"}, specialised},
     {Task::cull_clusters, any_device, {"occluders/clusters.cl", "cull_clusters"}, specialised},

@@ -1657,6 +1657,34 @@ void write_moving_scene(const fs::path& folder) {
     std::ofstream(folder / "moving.gltf") << gltf;
 }
 
+TEST_F(Command, TheSecondProcessOfAFirstStartIsNotSeen) {
+    write_scene(folder_, "plain", floor_and_square());
+    write_scene(folder_, "masked", floor_and_square(), "MASK");
+    const auto notes = [&](const std::string& cache) {
+        std::size_t count = 0;
+        if (!fs::exists(root_ / cache)) return count;
+        for (const auto& entry : fs::directory_iterator(root_ / cache))
+            count += entry.path().filename().string().starts_with("compiled-");
+        return count;
+    };
+    const auto render = [&](const std::string& scene, const std::string& camera, const std::string& picture,
+                            const std::string& cache) {
+        return run({"render", scene + ".gltf", "--camera", camera, "-o", picture, "--size", "64x64", "--quiet"},
+                   {.environment = {{"GNOMON_CACHE_DIR", (root_ / cache).string()}}});
+    };
+    for (const char* picture : {"first.png", "second.png"}) {
+        const Outcome outcome = render("plain", "0", picture, "cache");
+        EXPECT_EQ(outcome.exit_code, 0);
+        EXPECT_EQ(outcome.out + outcome.err, "");
+        EXPECT_EQ(notes("cache"), 1u) << picture;
+    }
+    EXPECT_EQ(text_of(in_folder("first.png")), text_of(in_folder("second.png")));
+    EXPECT_EQ(render("masked", "0", "masked.png", "cache").exit_code, 0);
+    EXPECT_EQ(notes("cache"), 2u) << "cut-outs have kernels of their own";
+    EXPECT_EQ(render("plain", "none", "none.png", "other").exit_code, 1);
+    EXPECT_EQ(notes("other"), 0u) << "no picture was made";
+}
+
 TEST_F(Command, FramesAreThePicturesOfTheirTimes) {
     write_moving_scene(folder_);
     const Arguments view{"moving.gltf", "--size", "48x32", "--camera", "aside", "--light", "lamp"};

@@ -10,7 +10,7 @@
    within 9 ulp of it (camera.h), 18 u of the larger of hit and eye; `largest` is at least each coordinate of the hits,
    of the receiver's corners and of the eye; `rest` is at least |twist|; a ray's largest coordinate is from 2^-10
    (require_camera(): its axes are at most 2 long and span .01) to 2^20 (no greater one has bounds, and its hit is not met).
-   Denormals may be kept or flushed: the spread's 1e-30 has room for what that takes. The other 16 u are for sums of positions in facing_bounds.clh, in prose: at most 11 u there. Overflow: no footprint is
+   Denormals may be kept or flushed: the spread's 1e-30 has room for what that takes. The other 16 u are for sums of positions in facing_blocks.clh, in prose: at most 11 u there. Overflow: no footprint is
    used whose spread or positions reach 1e30. *)
 From Coq Require Import Reals QArith Qreals Lra Lia Psatz.
 From Flocq Require Import Core.
