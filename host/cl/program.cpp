@@ -20,11 +20,9 @@
 namespace gnomon::cl {
 namespace {
 
-// On a CPU two programs have the kernels of most pictures: PoCL takes .1 to .2 s to begin with a program, since it
-// reads OpenCL's headers anew, and .05 s to find a compiled program in its cache. It optimizes all functions of a
-// program, also of kernels that are not launched, so what few pictures need has programs of its own. Only the first has
-// a variant for cut-outs, so that a scene with cut-outs does not build the second twice: a first start with leaves.glb
-// takes .78 of that with one program. A GPU's compiler compiles all kernels at once.
+// On a CPU two programs have the kernels of most pictures, since PoCL takes .1 to .2 s to begin with a program. It
+// optimizes all functions of a program, so what few pictures need has programs of its own. Only the first program has a
+// variant for cut-outs. A GPU's compiler compiles all kernels at once.
 constexpr const char* occluder_program = "{occluders,camera,trace}/*.cl";
 const std::map<std::string, std::vector<std::string>> joint_programs = {
     {occluder_program,

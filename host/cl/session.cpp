@@ -68,8 +68,8 @@ cl_mem Session::allocate(std::size_t bytes) {
 }
 
 // A CPU's large buffers lie in pages of 2 MiB where the system has them: lists and triangles are read out of order, and
-// a picture's buffers are touched for the first time. Measured on two cores of EPYC: foliage .86 to .96 of the time,
-// the city .9 to 1, and a whole `gnomon render` .06 s of page faults less. What cannot be had is done without.
+// a picture's buffers are touched for the first time (foliage: .86 to .96 of the time). What cannot be had is done
+// without.
 void Session::ask_for_large_pages([[maybe_unused]] cl_mem memory, [[maybe_unused]] std::size_t bytes) noexcept {
 #ifdef MADV_HUGEPAGE
     constexpr std::size_t page = std::size_t{1} << 21;
@@ -172,8 +172,7 @@ std::size_t Session::many_groups() const {
 Range Session::uneven_items(std::size_t items, std::size_t each) const {
     if (!is_cpu_) return Range::groups(items / (each * work_group_size_) + 1);
     // PoCL 3.1 gives a thread half of many_groups() at once where there are two threads (pthread_scheduler.c: up to 32
-    // groups for each thread): where that half is the heavier one, the other thread waits. Measured on two cores, wall
-    // clock over half of the processor time: Sponza's balcony 1.20 -> 1.05 animated, 1.21 -> 1.03 prepared.
+    // groups for each thread): where that half is the heavier one, the other thread waits.
     constexpr std::size_t pieces = 4;
     return Range::groups(std::min((items + work_group_size_ - 1) / work_group_size_, many_groups() * pieces));
 }

@@ -101,12 +101,6 @@ LightsMethod LightTables::automatic_method(TableRun& table, bool can_be_bundled)
     if (const auto found = methods_.find(key)) return *found;
     LightsTraits traits = traits_of(table.run, table.given, can_be_bundled);
     if (traits.is_cpu && wants_bundles(traits)) describe_bundles(traits, table);
-    const auto if_there_is_memory = [](auto&& find) {
-        try {
-            find();
-        } catch (const OutOfDeviceMemory&) {  // another method decides the table
-        }
-    };
     if (wants_raster(traits)) {
         if_there_is_memory([&] { find_raster(table); });
         if (table.raster == nullptr) release_raster(table);
@@ -118,9 +112,7 @@ LightsMethod LightTables::automatic_method(TableRun& table, bool can_be_bundled)
         traits.is_height_field = table.field != nullptr;
     }
     if (!traits.is_cpu && wants_bundles(traits)) describe_bundles(traits, table);
-    LightsCosts costs;
-    for (const LightsMethod method : methods_to_measure(traits)) costs[method] = measured_ms(method, table);
-    const LightsMethod chosen = choose_method(traits, costs);
+    const LightsMethod chosen = choose_method(traits, measured_costs(methods_to_measure(traits), table));
     methods_.keep(std::move(key), chosen);
     return chosen;
 }

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "light_tables/method_costs.hpp"
 
+#include <algorithm>
+#include <memory>
+#include <vector>
+
 namespace gnomon {
 namespace {
 
@@ -24,12 +28,18 @@ private:
     BvhRun run_;
 };
 
+const LightBundles& bundles_of(LightsMethod method, const TableRun& table) {
+    if (method == LightsMethod::rays) return table.bundles.plain();
+    if (method == LightsMethod::horizons) return table.bundles.sectors(table.field->field().axis);
+    return table.bundles.coned();
+}
+
 std::size_t share_of_cpu_sample(std::size_t points) {
     const std::size_t share = std::max(points / tuning.cpu_sample_points, tuning.cpu_sample_share);
     return std::max<std::size_t>(std::min(share, points / tuning.cpu_min_sample_points), 1);
 }
 
-/// The first bundles of a table, at most `most` of them.
+/// At most `most` bundles of a table, from its whole length.
 LightBundles sampled_bundles(const LightBundles& all, std::size_t most) {
     LightBundles sample;
     sample.are_positions = all.are_positions;
@@ -41,13 +51,32 @@ LightBundles sampled_bundles(const LightBundles& all, std::size_t most) {
     return sample;
 }
 
-double measured_on_cpu_ms(LightsMethod method, const TableRun& table) {
-    const SampledRun sample(table.run, share_of_cpu_sample(table.run.points.count()));
-    const double points_per_sample = double(table.run.points.count()) / double(sample.count());
-    if (method != LightsMethod::rays) return passes_of(method, table, sample.run()).timed_ms() * points_per_sample;
-    const LightBundles bundles = sampled_bundles(table.bundles.plain(), tuning.cpu_sample_bundles);
-    return BeamPasses(sample.run(), bundles, BeamShape::packet, table.statistics).timed_ms() * points_per_sample *
-           double(table.run.lights.count()) / double(bundles.light_count());
+// The methods are timed on the same points and bundles, by turns: what else the machine does meets all of them, and the
+// least of some times hardly any. A driver builds or loads a kernel at its first launch, and not all tell how long that
+// took, so a pass over a few points comes first.
+void measure_on_cpu(std::span<const LightsMethod> methods, const TableRun& table, LightsCosts& costs) {
+    const std::size_t points = table.run.points.count();
+    const SampledRun few(table.run, points), sample(table.run, share_of_cpu_sample(points));
+    struct Sampled {
+        LightsMethod method;
+        double share;
+        std::unique_ptr<BeamPasses> passes;
+    };
+    std::vector<Sampled> all;
+    for (const LightsMethod method : methods)
+        if_there_is_memory([&] {
+            if (method == LightsMethod::one_by_one) return;
+            const LightBundles some = sampled_bundles(bundles_of(method, table), tuning.cpu_sample_bundles);
+            const double share =
+                double(sample.count() * some.light_count()) / double(points * table.run.lights.count());
+            passes_of(method, table, few.run(), &some).timed_ms();
+            all.push_back({method, share,
+                           std::unique_ptr<BeamPasses>(new BeamPasses(passes_of(method, table, sample.run(), &some)))});
+        });
+    for (std::size_t round = 0; round < tuning.cpu_sample_rounds; ++round)
+        for (const Sampled& one : all)
+            if_there_is_memory(
+                [&] { costs[one.method] = std::min(costs[one.method], one.passes->timed_ms() / one.share); });
 }
 
 // On a GPU the slowest work-groups take much of a sample's time, so the time of more points is the difference of two
@@ -69,15 +98,15 @@ double measured_on_gpu_ms(LightsMethod method, const TableRun& table) {
 /// The time in which the table's middle light is decided for all points, without the time of kernel builds.
 double one_light_ms(const TableRun& table) {
     const LightsRun& run = table.run;
-    const cl::Session& session = session_of(run.device);
+    cl::Session& session = session_of(run.device);
     const SortedPoints* sorted = table.order_of_one_light();
     const Points ordered = sorted != nullptr ? sorted->as_points(run.device, run.points) : run.points;
     const Visibility visibility(run.device, run.points.count());
     const Light& middle = run.lights.lights()[run.lights.count() / 2];
     const auto timed_ms = [&] {
-        const double builds_ms = session.build_ms();
+        const double builds_ms = session.kernel_builds().ms;
         return Internals::run_light(table.one_light, run.triangles, ordered, middle, visibility).total_wall_ms -
-               (session.build_ms() - builds_ms);
+               (session.kernel_builds().ms - builds_ms);
     };
     const double first_ms = timed_ms();
     if (session.is_cpu()) return first_ms;
@@ -89,25 +118,17 @@ double one_light_ms(const TableRun& table) {
 
 }  // namespace
 
-BeamPasses passes_of(LightsMethod method, const TableRun& table, const BvhRun& run) {
-    BundleTables& bundles = table.bundles;
-    switch (method) {
-        case LightsMethod::rays:
-            return {run, bundles.plain(), BeamShape::packet, table.statistics};
-        case LightsMethod::horizons:
-            return {run,
-                    bundles.sectors(table.field->field().axis),
-                    BeamShape::point,
-                    table.statistics,
-                    {.field = table.field}};
-        default:
-            const bool are_points = method == LightsMethod::point_beams;
-            return {run, bundles.coned(), are_points ? BeamShape::point : BeamShape::block, table.statistics};
-    }
+BeamPasses passes_of(LightsMethod method, const TableRun& table, const BvhRun& run, const LightBundles* some) {
+    const bool has_field = method == LightsMethod::horizons;
+    const bool are_points = method == LightsMethod::point_beams || has_field;
+    const BeamShape shape = method == LightsMethod::rays ? BeamShape::packet
+                            : are_points                 ? BeamShape::point
+                                                         : BeamShape::block;
+    const DecidedBefore before{.field = has_field ? table.field : nullptr};
+    return {run, some != nullptr ? *some : bundles_of(method, table), shape, table.statistics, before};
 }
 
-// Of the answers that sweeps keep at a time. A GPU waits at the end of each launch for its longest strips: with 2^26
-// bytes 4,408 suns over a terrain took 1.3 times as long as with 2^28 on an H200.
+// Of the answers that sweeps keep at a time. A GPU waits at the end of each launch for its longest strips.
 std::size_t max_answer_bytes(const cl::Session& session) {
     return session.is_cpu() ? std::size_t(1) << 26 : max_mask_bytes(session);
 }
@@ -138,13 +159,18 @@ void run_sweeps(const TableRun& table) {
     sums.finish();
 }
 
-double measured_ms(LightsMethod method, const TableRun& table) {
-    try {
-        if (method == LightsMethod::one_by_one) return one_light_ms(table) * double(table.run.lights.count());
-        return (session_of(table.run.device).is_cpu() ? measured_on_cpu_ms : measured_on_gpu_ms)(method, table);
-    } catch (const OutOfDeviceMemory&) {
-        return LightsCosts::infinite;
-    }
+LightsCosts measured_costs(std::span<const LightsMethod> methods, const TableRun& table) {
+    LightsCosts costs;
+    const bool is_cpu = session_of(table.run.device).is_cpu();
+    for (const LightsMethod method : methods)
+        if_there_is_memory([&] {
+            if (method == LightsMethod::one_by_one)
+                costs[method] = one_light_ms(table) * double(table.run.lights.count());
+            else if (!is_cpu)
+                costs[method] = measured_on_gpu_ms(method, table);
+        });
+    if (is_cpu) if_there_is_memory([&] { measure_on_cpu(methods, table, costs); });
+    return costs;
 }
 
 }  // namespace gnomon

@@ -22,15 +22,23 @@ struct TableRun {
     const SortedPoints* order_of_one_light() const { return run.points.camera() ? nullptr : &run.sorted; }
 };
 
+/// Calls `find`, which finds out something that makes a choice better; without memory the choice goes without it.
+void if_there_is_memory(const auto& find) {
+    try {
+        find();
+    } catch (const OutOfDeviceMemory&) {
+    }
+}
+
 /// Runs the passes of beams, point_beams, rays (on a CPU) or horizons (with a field) over the table's points, or over a
-/// sample of them.
-BeamPasses passes_of(LightsMethod method, const TableRun& table, const BvhRun& run);
+/// sample of them, and over all of the method's bundles, or some.
+BeamPasses passes_of(LightsMethod method, const TableRun& table, const BvhRun& run, const LightBundles* some = nullptr);
 
 /// Decides the table by sweeps over its raster, as many lights at a time as their answers have room for.
 void run_sweeps(const TableRun& table);
 
-/// The time in ms that beams, rays, horizons (the latter two on a CPU) or one light after the other would take for the
-/// whole run, estimated from a sample; infinite if there is not enough memory.
-double measured_ms(LightsMethod method, const TableRun& table);
+/// The times in ms that these methods (beams, point beams, rays and horizons on a CPU, beams on a GPU, one light after
+/// the other) would take for the whole run, estimated from samples; infinite if there is not enough memory.
+LightsCosts measured_costs(std::span<const LightsMethod> methods, const TableRun& table);
 
 }  // namespace gnomon

@@ -95,7 +95,7 @@ bool wants_bundles(const LightsTraits& traits) {
 std::vector<LightsMethod> methods_to_measure(const LightsTraits& traits) {
     if (method_by_rule(traits)) return {};
     std::vector<LightsMethod> methods{LightsMethod::beams};
-    if (traits.is_cpu) methods.push_back(LightsMethod::rays);
+    if (traits.is_cpu) methods.insert(methods.end(), {LightsMethod::point_beams, LightsMethod::rays});
     if (traits.is_cpu && traits.is_height_field) methods.push_back(LightsMethod::horizons);
     if (may_take_single_lights(traits)) methods.push_back(LightsMethod::one_by_one);
     return methods;
@@ -106,8 +106,8 @@ LightsMethod choose_method(const LightsTraits& traits, const LightsCosts& costs)
     LightsCosts expected = costs;
     if (!traits.is_cpu) expected[LightsMethod::beams] *= tuning.gpu_beams_over_estimate;
     // Among equal costs the first method wins: beams take the least memory.
-    constexpr LightsMethod methods[] = {LightsMethod::beams, LightsMethod::rays, LightsMethod::horizons,
-                                        LightsMethod::one_by_one};
+    constexpr LightsMethod methods[] = {LightsMethod::beams, LightsMethod::point_beams, LightsMethod::rays,
+                                        LightsMethod::horizons, LightsMethod::one_by_one};
     return *std::ranges::min_element(methods, {}, [&](LightsMethod method) { return expected[method]; });
 }
 

@@ -32,24 +32,19 @@ struct LightsTuning {
     std::size_t min_measured_pairs = std::size_t(1) << 20;
     /// Directional lights with fewer lights than this in a bundle, on average, are scattered, and so are point lights
     /// in boxes of at least this share of the largest coordinate: packets were the fastest for all points but
-    /// pictures'. 40 suns of a year, 1.8 in a bundle, on a town, Sponza, lost_empire and a terrain of 2 million: beams
-    /// take 1.17 to 1.45 times as long (two cores, AVX-512, 130dda7).
+    /// pictures' (40 suns of a year, 1.8 in a bundle: two cores, AVX-512, 130dda7).
     double cpu_scattered_lights = 4, cpu_scattered_box = 0.25;
     /// Fewer scattered lights than this have sectors of one or two lights each: horizons of a terrain took twice the
     /// time of packets for 40 suns (two cores, 130dda7).
     std::size_t cpu_sector_lights = 64;
     /// Sweeps decide all vertices of a raster; other methods decide the points alone. So they serve where at least this
-    /// share of the points is at vertices, and a point has no more than a number of vertices: 19 vertices of a point
-    /// and 1, 40, 1,000 suns take 1.6, .7 and .95 of the fastest of the others, 8 vertices and 400 and 4,408 suns (6
-    /// and 26 lights in a bundle) .28 and 1.2 (two cores, AVX-512, cd3b3fb5); 8 vertices and 40 or 400 suns .4 and .5
-    /// of horizons, 19 vertices .7 and 1 (H200, cd3b3fb5).
+    /// share of the points is at vertices, and a point has no more than a number of vertices (two cores, AVX-512, and
+    /// H200, cd3b3fb5).
     double share_at_vertices = 0.875;
     std::size_t cpu_vertices_of_point = 16, cpu_vertices_of_point_few_lights = 8, gpu_vertices_of_point = 8;
     /// The same times the mean number of lights in a bundle: others share work among these.
     double cpu_vertices_times_bundle = 180;
-    /// Pairs from which on a raster is searched for: one light and a million vertices take 40 ms by sweeps and 62 by
-    /// packets (two cores, 330b2f4e); 4 and 40 suns and 100,000 vertices .95 and .3 of horizons, and 10,000
-    /// vertices 1.5 and 1.1 (H200, cd3b3fb5).
+    /// Pairs from which on a raster is searched for (two cores, 330b2f4e; H200, cd3b3fb5).
     std::size_t cpu_min_raster_pairs = std::size_t(1) << 18, gpu_min_raster_pairs = std::size_t(1) << 19;
     /// Pairs of each triangle from which on a height field is searched for: that takes as long as to decide some
     /// (H200, ec9c821).
@@ -62,8 +57,7 @@ struct LightsTuning {
     std::size_t gpu_many_lights = 2048;
     /// A scattered point light takes a millisecond by itself, as beams do for this number of points (cd6b871).
     std::size_t gpu_points_of_single_lights = std::size_t(1) << 18;
-    /// Beams took longer than estimated where the estimates were close: 256 suns on a city were estimated at 206 ms by
-    /// beams and 216 one by one, and took 263 and 229 (H200, d261765).
+    /// Beams took longer than estimated where the estimates were close (H200, d261765).
     double gpu_beams_over_estimate = 1.1;
     /// A cone is thin below some 2 degrees, and a box of point lights below this share of the largest coordinate: then
     /// beams were the fastest (H200, 814bed1).
@@ -76,12 +70,11 @@ struct LightsTuning {
     /// A CPU measures this number of points, but at most one in cpu_sample_share and at least cpu_min_sample_points
     /// (two cores, e0f58fe).
     std::size_t cpu_sample_points = 16384, cpu_sample_share = 32, cpu_min_sample_points = 512;
-    /// A CPU measures packets on at most this number of bundles (two cores, ca22a3d).
-    std::size_t cpu_sample_bundles = 8;
+    /// It measures each method on at most this number of bundles, and so many times (two loaded cores, ed943471).
+    std::size_t cpu_sample_bundles = 16, cpu_sample_rounds = 2;
     /// A GPU measures one in 128 of a picture's points: these are many, and much alike (H200, 2ed168f).
     std::size_t gpu_picture_share = 128;
-    /// It measures one in 16 of other points: one in 128 of a million points on a town's faces does not fill an H100,
-    /// and seemed to take more than twice the time (1c38620).
+    /// It measures one in 16 of other points: one in 128 of a million does not fill it (H100, 1c38620).
     std::size_t gpu_points_share = 16;
     /// The second sample of a GPU has one in 8 of the first one's points (H200, 2ed168f).
     std::size_t gpu_launch_share = 8;

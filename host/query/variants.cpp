@@ -11,8 +11,7 @@ struct Variant {
     DeviceFamily family;
     cl::Kernel kernel;
     /// On a GPU: of its own, for directional lights. Without perspective it keeps fewer registers, so that more
-    /// work-items run at once: the H200's first launches of a frame gained .389 -> .350 ms for Sponza. On a CPU one
-    /// program for both compiles sooner.
+    /// work-items run at once. On a CPU one program for both compiles sooner.
     bool has_directional_program = false;
 };
 constexpr bool specialised = true;

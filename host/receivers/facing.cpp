@@ -44,8 +44,7 @@ void face_points(cl::Session& session, const FacingParams& params, const Triangl
     const Task task = facing_task(session, points, params.light_frame.perspective == 0, buffers.cache != nullptr,
                                   buffers.undecided != nullptr, params.opens_points != 0);
     // On a GPU the margins of frames depend on how points are grouped per work-item, in last bits that change no
-    // answer. The number of items is the device's, whatever the size of work-groups. (Groups of 12 points for each item
-    // took 31 us in place of 37 on an H200.)
+    // answer. The number of items is the device's, whatever the size of work-groups.
     launch(session, task, session.block_shares(params.layout.count), params, triangles, points, buffers);
     if (task == Task::decide_facing_filtered)
         launch(session, Task::decide_facing_exactly, cl::Range::groups(session.compute_units() * 4), params, triangles,

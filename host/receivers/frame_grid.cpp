@@ -13,9 +13,7 @@ FrameGrid with_bins(std::uint32_t size, std::uint32_t max_bins) {
 }
 
 // Texels per side of a frame that a GPU keeps, which are bins as well: the finer, the shorter the lists of all the
-// scene's triangles. Measured on an H200 with 1024, 2048, 4096 and 8192: Sponza at 2K .22, .146 and .130 ms for 60, 163
-// and 544 MB; at 4K the city of 6.5 million triangles .83 -> .52 (4096) for 697 -> 1340 MB, pipes of 12.8 million 2.65
-// -> 1.05 (4096) -> .87 (8192) for 1.8, 3.3 and 5.4 GB. A point light has six frames.
+// scene's triangles (docs/notebook/experiments.md has times and memory). A point light has six frames.
 std::uint32_t kept_size_on_gpu(std::size_t triangle_count, std::uint64_t device_bytes, bool is_point_light) {
     std::uint32_t size = 8192;
     if (triangle_count < 1u << 23 || device_bytes < 64ull << 30) size = 4096;
@@ -33,9 +31,8 @@ FrameGrid map_grid(const cl::Session& session, std::uint32_t size) {
 FrameGrid run_grid(const cl::Session& session, std::uint32_t map_size, std::size_t triangle_count,
                    std::size_t point_count) {
     if (map_size != 0) return map_grid(session, map_size);
-    // Measured on Sponza and lost_empire at 2K and 4K: a CPU pays for every texel drawn, a GPU hardly. On an H200 the
-    // trace of millions of triangles gains more by 1024 than the lists lose (at 4K pipes v0 6.7 -> 4.6 ms, foliage
-    // v0 3.4 -> 2.9, the city between 3.0 -> 2.2 and 1.28 -> 1.36); with a million it is even, with Sponza a loss.
+    // A CPU pays for every texel drawn, a GPU hardly: the trace of millions of triangles gains more by 1024 than the
+    // lists lose; with a million it is even, with fewer a loss.
     const std::uint32_t largest = session.is_cpu() ? 256 : triangle_count < 1u << 22 ? 512 : 1024;
     // Few points want few bins: a large triangle is tested against every bin it meets, also bins without a point.
     std::uint32_t size = 4;
@@ -52,10 +49,9 @@ FrameGrid prepared_grid(const cl::Session& session, std::uint32_t map_size, std:
         return with_bins(map_size != 0 ? map_size : kept_size_on_gpu(triangle_count, device_bytes, is_point_light),
                          largest_map_size);
     }
-    // Counted on Sponza: of 256, 512, 1024 and 2048 texels and 128, 256 and 512 bins, 1024 and 256 give a trace the
-    // fewest tests (a tenth to a quarter fewer than 512), except for 2048, where making the map takes five times as
+    // 1024 texels and 256 bins give a trace of Sponza the fewest tests but for 2048, whose map takes five times as
     // long. A list's entries are read 16 at a time, so that a bin with few entries is mostly empty; but scenes of
-    // millions spend their time on reading long lists (docs/performance.md).
+    // millions spend their time on reading long lists.
     std::uint32_t max_bins = 256;
     while (max_bins < 1024 && triangle_count > std::size_t(max_bins) * max_bins * 8) max_bins *= 2;
     return with_bins(map_size != 0 ? map_size : 1024, max_bins);

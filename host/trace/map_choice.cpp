@@ -6,9 +6,8 @@
 namespace gnomon {
 
 // A map saves the walks of the points that it decides, and the references of the triangles that it hides, assumed to be
-// as many per triangle as for the others. On an H200 lists cost 82 us per million references (pairs, scatter and order
-// of foliage v0: 609 us for 7.46 million); the other two constants are fitted to runs with and without a map. At
-// 1920x1080 the rule takes the faster of the two in all of 15 views of real and made scenes.
+// as many per triangle as for the others. The constants are an H200's, of lists by foliage, the other two fitted to
+// runs with and without a map. At 1920x1080 the rule takes the faster of the two in all of 15 views.
 bool map_was_worth_drawing(const FrameCounters& counted) {
     constexpr double us_per_point = 25e-6, us_per_reference = 82e-6, us_of_map = 40;
     const double listed = std::max(double(counted.survivors) - counted.edge_on - counted.hidden, 1.0);

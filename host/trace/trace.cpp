@@ -7,9 +7,8 @@ namespace gnomon {
 namespace {
 
 // How many points each item of a GPU's work-group takes in a round. More points let the items share out the lists
-// better, but every multiprocessor should have several groups. Measured on an H200, Sponza, 512, 1024 and 2048 points
-// in a round: .143, .137 and .122 ms at 1920x1080 under a prepared light, .298, .253 and .251 at 3840x2160. One frame
-// of a point light has few points, and long rounds only wait (six frames 1.00 ms with 2048, .86 without rounds).
+// better, but every multiprocessor should have several groups: on an H200 2048 were the fastest under a prepared light.
+// One frame of a point light has few points, and long rounds only wait.
 std::size_t points_each(const cl::Session& session, const LightFrame& light_frame, cl_uint frame_count,
                         std::size_t count) {
     if (session.is_cpu()) return 1;  // no rounds

@@ -36,9 +36,8 @@
 // On a GPU a tile's list of more than CameraParams::long_list entries is walked by several work-groups, each of which
 // takes a chunk of at most that many. A list is long only if it is a good part, 1 / LONG_LISTS, of all lists of the
 // last frame, since a chunk does not see what hides its triangles in other chunks. (H100: 200,000 triangles within 30 x
-// 30 pixels take 2.1 ms unsplit, .73 in chunks of 2048; but if every list of over 2048 or 4096 entries is split, the
-// pipes' 6.6 ms become 9.6 or 8.2, a city's 3.3 4.1 or 3.8. As a number that kernels compute it costs registers: 8.2
-// and 4.1, too.)
+// 30 pixels take 2.1 ms unsplit, .73 in chunks of 2048; with every list of over 2048 entries split pipes take 1.5 times
+// as long.)
 #define FIRST_LONG_LIST 16384u
 #define MIN_LONG_LIST 2048u
 #define LONG_LISTS 256u

@@ -67,6 +67,8 @@ gnomon_lie(groups_of_64_many_lights type=gpu,work_group=64,local_memory=16384 ma
 # Those of its cases that reach every kernel once: groups of 32 are compiled anew, case by case.
 gnomon_lie(kernels_of_32_items_many_lights type=gpu,kernel_work_group=32 many_lights_test
   --gtest_filter=ManyLights.EveryBit*:ManyLights.SidesAre*:ManyLights.SweepsChange*:ManyLights.MeansAre*:ManyLights.PointLights*)
+# `auto` measures in a program's first run.
+gnomon_lie(kernels_built_at_launch first_launch=700 many_lights_test --gtest_filter=*FirstLaunches*)
 # A beam's group has an item for each child of a node.
 gnomon_lie(kernels_of_5_items_many_lights type=gpu,kernel_work_group=5 many_lights_test
   --gtest_filter=ManyLights.SidesAreThoseOfOneLight)

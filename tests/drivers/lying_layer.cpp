@@ -23,6 +23,7 @@
 //   lost=N               the N-th launch succeeds, is not run, and fails later: its event has a negative state, and the
 //                        next call that waits returns the error; so do the launches up to there, which would read what
 //                        it did not write
+//   first_launch=MS      a kernel's first launch takes so many milliseconds more, in which a driver would build it
 //   cut=VARIABLE         cuts a list in the environment at its first colon, as Khronos' loader does when it starts
 //   wrong_bit=BYTES      a read of at least so many bytes has a wrong bit
 #define CL_TARGET_OPENCL_VERSION 120
@@ -30,13 +31,16 @@
 #include <CL/cl_layer.h>
 
 #include <atomic>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <map>
 #include <mutex>
+#include <set>
 #include <sstream>
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace {
@@ -50,25 +54,11 @@ using Lies = std::map<std::string, std::string>;
 
 const Lies& lies() {
     static const Lies all = [] {
-        const char* const known[] = {"type",
-                                     "local_memory",
-                                     "work_group",
-                                     "kernel_work_group",
-                                     "no_fp64",
-                                     "multiple",
-                                     "no_int64_atomics",
-                                     "compute_units",
-                                     "fail",
-                                     "allocation",
-                                     "no_exact_divide",
-                                     "address_bits",
-                                     "lost",
-                                     "opencl_c",
-                                     "no_clock",
-                                     "unified",
-                                     "vector_width",
-                                     "wrong_bit",
-                                     "cut"};
+        const char* const known[] = {"type",         "local_memory", "work_group",       "kernel_work_group",
+                                     "no_fp64",      "multiple",     "no_int64_atomics", "compute_units",
+                                     "fail",         "allocation",   "no_exact_divide",  "address_bits",
+                                     "lost",         "opencl_c",     "no_clock",         "unified",
+                                     "vector_width", "wrong_bit",    "first_launch",     "cut"};
         Lies found;
         const char* text = std::getenv("GNOMON_TEST_LIES");
         std::istringstream words(text != nullptr ? text : "");
@@ -304,6 +294,13 @@ cl_int lose(cl_command_queue queue, cl_event* event) {
     return code == CL_SUCCESS ? driver->clSetUserEventStatus(*event, CL_OUT_OF_RESOURCES) : code;
 }
 
+bool is_new(cl_kernel kernel) {
+    static std::mutex mutex;
+    static std::set<cl_kernel> launched;
+    const std::lock_guard lock(mutex);
+    return launched.insert(kernel).second;
+}
+
 cl_int CL_API_CALL enqueue_kernel(cl_command_queue queue, cl_kernel kernel, cl_uint dimensions, const size_t* offset,
                                   const size_t* global, const size_t* local, cl_uint count, const cl_event* waits,
                                   cl_event* event) {
@@ -312,6 +309,10 @@ cl_int CL_API_CALL enqueue_kernel(cl_command_queue queue, cl_kernel kernel, cl_u
     cl_int code = refusal(kernel, device, local);
     if (code != CL_SUCCESS || fails("EnqueueNDRangeKernel", &code)) return code;
     if (tells("lost") && (++launches == int(number_of("lost")) || has_lost)) return lose(queue, event);
+    if (tells("first_launch") && is_new(kernel)) {
+        driver->clFinish(queue);
+        std::this_thread::sleep_for(std::chrono::milliseconds(number_of("first_launch")));
+    }
     return driver->clEnqueueNDRangeKernel(queue, kernel, dimensions, offset, global, local, count, waits, event);
 }
 

@@ -101,7 +101,7 @@ TEST(LightsMethod, ACpuTakesRaysToScatteredLightsUnmeasured) {
         dense.points = std::size_t(1) << 21;
         dense.lights_per_bundle = lights_tuning.cpu_scattered_lights;
         dense.widest_bundle = lights_tuning.cpu_scattered_box * 0.999;
-        EXPECT_EQ(methods_to_measure(dense), (Methods{Method::beams, Method::rays}));
+        EXPECT_EQ(methods_to_measure(dense), (Methods{Method::beams, Method::point_beams, Method::rays}));
         picture.is_picture = true;
         EXPECT_FALSE(gnomon::wants_bundles(picture));
         expect_by_rule(picture, Method::beams);
@@ -143,7 +143,8 @@ TEST(LightsMethod, ACpuSearchesNoFieldForAFewScatteredLights) {
     ++traits.lights;
     EXPECT_TRUE(gnomon::wants_height_field(traits));
     traits.is_height_field = true;
-    EXPECT_EQ(methods_to_measure(traits), (Methods{Method::beams, Method::rays, Method::horizons}));
+    EXPECT_EQ(methods_to_measure(traits),
+              (Methods{Method::beams, Method::point_beams, Method::rays, Method::horizons}));
     traits.lights_per_bundle = lights_tuning.cpu_scattered_lights;
     traits.lights = lights_tuning.min_shared_lights;
     EXPECT_TRUE(gnomon::wants_height_field(traits));
@@ -209,28 +210,31 @@ TEST(LightsMethod, ARasterIsSearchedForWhereItMayServe) {
 
 TEST(LightsMethod, ACpuMeasuresWhatMayBeTheFastest) {
     LightsTraits traits = large_run(true);
-    EXPECT_EQ(methods_to_measure(traits), (Methods{Method::beams, Method::rays}));
+    EXPECT_EQ(methods_to_measure(traits), (Methods{Method::beams, Method::point_beams, Method::rays}));
     traits.is_height_field = true;
-    EXPECT_EQ(methods_to_measure(traits), (Methods{Method::beams, Method::rays, Method::horizons}));
+    EXPECT_EQ(methods_to_measure(traits),
+              (Methods{Method::beams, Method::point_beams, Method::rays, Method::horizons}));
     traits.is_height_field = false;
     traits.keeps_clusters = true;  // does not matter on a CPU
-    EXPECT_EQ(methods_to_measure(traits), (Methods{Method::beams, Method::rays}));
+    EXPECT_EQ(methods_to_measure(traits), (Methods{Method::beams, Method::point_beams, Method::rays}));
     traits.is_picture = true;
-    EXPECT_EQ(methods_to_measure(traits), (Methods{Method::beams, Method::rays, Method::one_by_one}));
+    EXPECT_EQ(methods_to_measure(traits),
+              (Methods{Method::beams, Method::point_beams, Method::rays, Method::one_by_one}));
     --traits.points;  // fewer than 2^25 pairs
-    EXPECT_EQ(methods_to_measure(traits), (Methods{Method::beams, Method::rays}));
+    EXPECT_EQ(methods_to_measure(traits), (Methods{Method::beams, Method::point_beams, Method::rays}));
     traits.points *= 8;
     traits.lights = lights_tuning.cpu_many_lights - 1;
-    EXPECT_EQ(methods_to_measure(traits), (Methods{Method::beams, Method::rays, Method::one_by_one}));
+    EXPECT_EQ(methods_to_measure(traits),
+              (Methods{Method::beams, Method::point_beams, Method::rays, Method::one_by_one}));
     ++traits.lights;
-    EXPECT_EQ(methods_to_measure(traits), (Methods{Method::beams, Method::rays}));
+    EXPECT_EQ(methods_to_measure(traits), (Methods{Method::beams, Method::point_beams, Method::rays}));
 }
 
 TEST(LightsMethod, ASlowMethodIsLeft) {
     LightsTraits traits = large_run(true);
     traits.is_picture = traits.is_height_field = true;
     const Methods measured = methods_to_measure(traits);
-    ASSERT_EQ(measured.size(), 4u);
+    ASSERT_EQ(measured.size(), 5u);
     for (const Method slow : measured)
         for (const Method fast : measured) {
             if (slow == fast) continue;
@@ -350,9 +354,10 @@ TEST(LightsMethod, TheChoiceIsMeasuredOrByRule) {
             EXPECT_TRUE(std::ranges::find(measured, method) != measured.end());
     }
     EXPECT_GT(measured_runs, 1000u);
-    for (const Method method : {Method::one_by_one, Method::beams, Method::rays, Method::horizons, Method::sweeps})
+    for (const Method method :
+         {Method::one_by_one, Method::beams, Method::point_beams, Method::rays, Method::horizons, Method::sweeps})
         EXPECT_GT(chosen[std::size_t(method)], 100u) << std::size_t(method);
-    EXPECT_EQ(chosen[std::size_t(Method::automatic)] + chosen[std::size_t(Method::point_beams)], 0u);
+    EXPECT_EQ(chosen[std::size_t(Method::automatic)], 0u);
 }
 
 const gnomon::MethodCache::Key two_suns{{{0, 1, 0, 0}, {1, 1, 0, 0}}, 1000, false};
