@@ -23,17 +23,26 @@ noticed() {
     fi
     grep -q 'does not prove what the kernels' "$made/said" || { cat "$made/said"; exit 1; }
 }
-# refused: Coq refuses what the proof makes of the kernel that noticed() has just changed.
+# refused PROOF: Coq must refuse what the proof makes of the kernel that noticed() has just changed.
 refused() {
     is_mine && command -v coqc >/dev/null || return 0
     if [ ! -d "$made/proofs" ]; then
         cp -r "$proofs" "$made/proofs"
         (cd "$made/proofs" && rm -f ./*.vo && for name in Roundings Devices Filters; do coqc -q "$name.v"; done)
+        printf '%s\n' 'From Coq Require Import Reals QArith.' 'Require Import Roundings Devices Filters.' \
+            >"$made/proofs/refusals.v"
     fi
     cp "$proofs/$1.v" "$made/proofs/$1.v"
-    (cd "$made/proofs" && GNOMON_KERNELS_DIR=$made/kernels ./expressions.py --write "$1.v")
-    if (cd "$made/proofs" && coqc -q "$1.v") >"$made/said" 2>&1; then
-        echo "Coq accepts $1 with a fault"
+    (cd "$made/proofs" && GNOMON_KERNELS_DIR=$made/kernels ./expressions.py --write "$1.v" && mv "$1.v" "$1_$planted.v")
+    echo "Fail Load \"$1_$planted\"." >>"$made/proofs/refusals.v"
+}
+# judged: one process of Coq, which reads the libraries once, tries all that refused() wrote. It stops at what it accepts.
+judged() {
+    [ -d "$made/proofs" ] || return 0
+    if ! (cd "$made/proofs" && coqc -q refusals.v) >"$made/said" 2>&1; then
+        tail -n 20 "$made/said"
+        echo "Coq accepts a proof with a fault, or cannot read one; that line:"
+        sed -n "$(sed -nE 's/^File ".*refusals.v", line ([0-9]+).*/\1/p' "$made/said" | tail -n 1)p" "$made/proofs/refusals.v"
         exit 1
     fi
 }
@@ -159,3 +168,4 @@ noticed camera/camera_rays.clh 's/5\.0e-7f/4.0e-7f/' nearness.v
 refused nearness
 # Operands exchanged, which compute the same in real numbers.
 noticed exact/cut_outs.clh 's/upper + g \* (lower - upper)/upper - g * (upper - lower)/' cut_out_means.v
+judged

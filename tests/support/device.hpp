@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <map>
+#include <utility>
 #include <vector>
 
 #include "query/inputs.hpp"
@@ -16,19 +18,25 @@ inline constexpr std::uint32_t WORK_GROUP_SIZES[] = {1, 2, 3, 7, 16, 33, 64, 128
 /// The same for stages whose kernels take long to compile (a CPU driver compiles them anew for each size).
 inline constexpr std::uint32_t FEW_WORK_GROUP_SIZES[] = {3, 64};
 
-/// Work-group size 0: the library's choice.
-inline gnomon::Device device_with(std::uint32_t work_group_size = 0) {
-    gnomon::DeviceOptions options;
-    options.work_group_size = work_group_size;
-    return gnomon::Device({}, options);
+/// The devices that are open already, one for each kind: a new one would build all programs again, which takes PoCL a
+/// second even where its cache has them.
+inline gnomon::Device opened_device(std::uint32_t work_group_size, bool gpu_kernels) {
+    static std::map<std::pair<std::uint32_t, bool>, gnomon::Device> opened;
+    const std::pair kind(work_group_size, gpu_kernels);
+    if (!opened.contains(kind)) {
+        gnomon::DeviceOptions options;
+        options.work_group_size = work_group_size;
+        options.gpu_kernels = gpu_kernels;
+        opened.emplace(kind, gnomon::Device({}, options));
+    }
+    return opened.at(kind);
 }
 
+/// Work-group size 0: the library's choice.
+inline gnomon::Device device_with(std::uint32_t work_group_size = 0) { return opened_device(work_group_size, false); }
+
 /// With the kernels that are made for GPUs, or with those of its kind.
-inline gnomon::Device device_of(bool gpu_kernels) {
-    gnomon::DeviceOptions options;
-    options.gpu_kernels = gpu_kernels;
-    return gnomon::Device({}, options);
-}
+inline gnomon::Device device_of(bool gpu_kernels) { return opened_device(0, gpu_kernels); }
 
 template <typename Value>
 gnomon::cl::Buffer uploaded(gnomon::cl::Session& session, const std::vector<Value>& values) {
