@@ -18,19 +18,29 @@ inline constexpr std::uint32_t WORK_GROUP_SIZES[] = {1, 2, 3, 7, 16, 33, 64, 128
 /// The same for stages whose kernels take long to compile (a CPU driver compiles them anew for each size).
 inline constexpr std::uint32_t FEW_WORK_GROUP_SIZES[] = {3, 64};
 
-/// The devices that are open already, one for each kind: a new one would build all programs again, which takes PoCL a
-/// second even where its cache has them.
-inline gnomon::Device opened_device(std::uint32_t work_group_size, bool gpu_kernels) {
+/// The open devices, one for each size of work-groups and kind of kernels: a new one would build all programs again,
+/// which takes PoCL a second even where its cache has them.
+inline std::map<std::pair<std::uint32_t, bool>, gnomon::Device>& opened_devices() {
     static std::map<std::pair<std::uint32_t, bool>, gnomon::Device> opened;
+    return opened;
+}
+
+inline gnomon::Device opened_device(std::uint32_t work_group_size, bool gpu_kernels) {
     const std::pair kind(work_group_size, gpu_kernels);
-    if (!opened.contains(kind)) {
+    if (!opened_devices().contains(kind)) {
         gnomon::DeviceOptions options;
         options.work_group_size = work_group_size;
         options.gpu_kernels = gpu_kernels;
-        opened.emplace(kind, gnomon::Device({}, options));
+        opened_devices().emplace(kind, gnomon::Device({}, options));
     }
-    return opened.at(kind);
+    return opened_devices().at(kind);
 }
+
+/// Closes them before the program ends: the statics of drivers and layers may be gone before a device that is one.
+struct ClosedDevices : testing::Environment {
+    void TearDown() override { opened_devices().clear(); }
+};
+inline testing::Environment* const closed_devices = testing::AddGlobalTestEnvironment(new ClosedDevices);
 
 /// Work-group size 0: the library's choice.
 inline gnomon::Device device_with(std::uint32_t work_group_size = 0) { return opened_device(work_group_size, false); }
