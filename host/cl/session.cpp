@@ -68,8 +68,7 @@ cl_mem Session::allocate(std::size_t bytes) {
 }
 
 // A CPU's large buffers lie in pages of 2 MiB where the system has them: lists and triangles are read out of order, and
-// a picture's buffers are touched for the first time (foliage: .86 to .96 of the time). What cannot be had is done
-// without.
+// a picture's buffers are touched for the first time (foliage: .86 to .96 of the time).
 void Session::ask_for_large_pages([[maybe_unused]] cl_mem memory, [[maybe_unused]] std::size_t bytes) noexcept {
 #ifdef MADV_HUGEPAGE
     constexpr std::size_t page = std::size_t{1} << 21;

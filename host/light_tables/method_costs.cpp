@@ -34,9 +34,11 @@ const LightBundles& bundles_of(LightsMethod method, const TableRun& table) {
     return table.bundles.coned();
 }
 
-std::size_t share_of_cpu_sample(std::size_t points) {
-    const std::size_t share = std::max(points / tuning.cpu_sample_points, tuning.cpu_sample_share);
-    return std::max<std::size_t>(std::min(share, points / tuning.cpu_min_sample_points), 1);
+/// One point in how many a CPU measures under these bundles.
+std::size_t share_of_cpu_sample(std::size_t points, std::size_t bundles) {
+    const std::size_t share = tuning.cpu_sample_share * std::min(bundles, tuning.cpu_sample_bundles) / bundles;
+    return std::max<std::size_t>(
+        std::min(std::max(points / tuning.cpu_sample_points, share), points / tuning.cpu_min_sample_points), 1);
 }
 
 /// At most `most` bundles of a table, from its whole length.
@@ -56,7 +58,8 @@ LightBundles sampled_bundles(const LightBundles& all, std::size_t most) {
 // took, so a pass over a few points comes first.
 void measure_on_cpu(std::span<const LightsMethod> methods, const TableRun& table, LightsCosts& costs) {
     const std::size_t points = table.run.points.count();
-    const SampledRun few(table.run, points), sample(table.run, share_of_cpu_sample(points));
+    const SampledRun few(table.run, points);
+    const SampledRun sample(table.run, share_of_cpu_sample(points, table.bundles.plain().bundles.size()));
     struct Sampled {
         LightsMethod method;
         double share;
@@ -169,7 +172,7 @@ LightsCosts measured_costs(std::span<const LightsMethod> methods, const TableRun
             else if (!is_cpu)
                 costs[method] = measured_on_gpu_ms(method, table);
         });
-    if (is_cpu) if_there_is_memory([&] { measure_on_cpu(methods, table, costs); });
+    if (is_cpu && !methods.empty()) if_there_is_memory([&] { measure_on_cpu(methods, table, costs); });
     return costs;
 }
 

@@ -67,11 +67,10 @@ struct LightsTuning {
     std::uint32_t runs_of_choice = 7;
 
     // ---- Samples
-    /// A CPU measures this number of points, but at most one in cpu_sample_share and at least cpu_min_sample_points
-    /// (two cores, e0f58fe).
-    std::size_t cpu_sample_points = 16384, cpu_sample_share = 32, cpu_min_sample_points = 512;
-    /// It measures each method on at most this number of bundles, and so many times (two loaded cores, ed943471).
-    std::size_t cpu_sample_bundles = 16, cpu_sample_rounds = 2;
+    /// A CPU measures each method so many times, on so many bundles and such a share of the points that all of it takes
+    /// some 5 % of a run (two loaded cores and 16 threads, 932267b9).
+    std::size_t cpu_sample_bundles = 16, cpu_sample_rounds = 2, cpu_sample_share = 192;
+    std::size_t cpu_sample_points = 16384, cpu_min_sample_points = 512;
     /// A GPU measures one in 128 of a picture's points: these are many, and much alike (H200, 2ed168f).
     std::size_t gpu_picture_share = 128;
     /// It measures one in 16 of other points: one in 128 of a million does not fill it (H100, 1c38620).

@@ -1669,8 +1669,10 @@ TEST_F(Command, TheSecondProcessOfAFirstStartIsNotSeen) {
     };
     const auto render = [&](const std::string& scene, const std::string& camera, const std::string& picture,
                             const std::string& cache) {
+        RunOptions options;
+        options.environment["GNOMON_CACHE_DIR"] = (root_ / cache).string();
         return run({"render", scene + ".gltf", "--camera", camera, "-o", picture, "--size", "64x64", "--quiet"},
-                   {.environment = {{"GNOMON_CACHE_DIR", (root_ / cache).string()}}});
+                   options);
     };
     for (const char* picture : {"first.png", "second.png"}) {
         const Outcome outcome = render("plain", "0", picture, "cache");

@@ -295,7 +295,6 @@ cl_int lose(cl_command_queue queue, cl_event* event) {
 }
 
 bool is_new(cl_kernel kernel) {
-    static std::mutex mutex;
     static std::set<cl_kernel> launched;
     const std::lock_guard lock(mutex);
     return launched.insert(kernel).second;
