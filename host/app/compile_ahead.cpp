@@ -100,10 +100,13 @@ void compile(const RenderOptions& options, const scene::Scene& scene, int built)
 
 CompileAhead::CompileAhead(const RenderOptions& options, const scene::Scene& scene) : note_(note_of(options, scene)) {
     std::error_code unknown;
-    const bool is_needed = !note_.empty() && !std::filesystem::exists(note_, unknown) && scene.triangle_count() > 0 &&
-                           scene.triangle_count() <= largest_triangle_count;
+    if (note_.empty() || std::filesystem::exists(note_, unknown)) return;
+    std::filesystem::create_directories(note_.parent_path(), unknown);
+    const bool can_note = ::access(note_.parent_path().c_str(), W_OK) == 0;  // else each start would be a first one
+    const bool is_worth_it = scene.triangle_count() > 0 && scene.triangle_count() <= largest_triangle_count &&
+                             std::thread::hardware_concurrency() > 1;
     int ends[2];
-    if (!is_needed || std::thread::hardware_concurrency() < 2 || ::pipe(ends) != 0) return;
+    if (!can_note || !is_worth_it || ::pipe(ends) != 0) return;
     built_ = ends[0];
     process_ = ::fork();
     if (process_ == 0) {
@@ -130,10 +133,7 @@ void CompileAhead::wait_for_program_of_camera() {
 }
 
 void CompileAhead::note_picture() const {
-    if (note_.empty()) return;
-    std::error_code ignored;  // without the file a later start has a second process, too
-    std::filesystem::create_directories(note_.parent_path(), ignored);
-    std::ofstream(note_).flush();
+    if (!note_.empty()) std::ofstream(note_).flush();
 }
 
 }  // namespace gnomon::app
