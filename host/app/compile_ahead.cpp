@@ -68,7 +68,6 @@ View view_without_camera(const Device& device, const Triangles& triangles, const
 /// Launches the kernels of a picture that come after the camera's, its last ones first. `built`: see CompileAhead.
 void compile(const RenderOptions& options, const scene::Scene& scene, int built) {
     const Device device = open_device(options, false);
-    if (device.description().type != "CPU") return;  // a GPU's driver compiles a whole program at once
     const Triangles triangles = scene::upload(device, scene);
     const View view = view_without_camera(device, triangles, scene, choose_camera(options, scene).camera);
     view.read(device, triangles);  // its normals' kernel is in the camera's program

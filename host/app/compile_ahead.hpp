@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The first start on a CPU. PoCL compiles a kernel when it is first launched, one at a time within a process
+// The first start. A driver compiles one kernel (PoCL) or program after the other within a process
 // (docs/notebook/experiments.md). So a second process compiles what a picture needs after its camera, while the first
-// compiles the camera's kernels; both find all of them in PoCL's cache on disk.
+// compiles the camera's kernels; both find all of them in the caches on disk.
 #pragma once
 
 #include <sys/types.h>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Programs: one per kernel file or for several, headers pasted in with #line so that a compiler error names the true
 // file and line; compiled when first used, and kept on disk as binaries unless the driver builds kernels at launch.
+#include <unistd.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cstdio>
@@ -250,8 +252,8 @@ void Session::store_cached(const std::string& key, cl_program program) {
     std::error_code ignored;
     const std::filesystem::path directory = cache_directory();
     std::filesystem::create_directories(directory, ignored);
-    const std::filesystem::path temporary =
-        directory / (key + ".part" + std::to_string(reinterpret_cast<std::uintptr_t>(this)));
+    const std::filesystem::path temporary = directory / (key + ".part" + std::to_string(getpid()) + "-" +
+                                                         std::to_string(reinterpret_cast<std::uintptr_t>(this)));
     std::ofstream stream(temporary, std::ios::binary);
     stream.write(binary.data(), std::streamsize(binary.size()));
     stream.close();
