@@ -132,8 +132,8 @@ std::vector<cl_uint> PreparedLight::unshadowed_bits(cl::Session& session) const 
 
 // Unshadowed triangles are not searched for under a point light, since a triangle may be in several of its frames and
 // hidden in some; nor on a CPU, where the search takes longer than dozens of frames would gain: its trace does not read
-// the bits; nor where they are rare: with a fifth of the triangles unshadowed frames take two thirds (H200), with a
-// hundredth as long as without the bits, and the search takes half of preparing.
+// the bits; nor where they are rare (docs/notebook/experiments.md): they gain no time then, and the search takes half
+// of preparing.
 void PreparedLight::find_unshadowed_triangles(cl::Session& session, Statistics& statistics,
                                               const TriangleInputs& triangles) {
     constexpr cl_uint sample_step = 16;

@@ -6,8 +6,8 @@
 namespace gnomon {
 
 // A map saves the walks of the points that it decides, and the references of the triangles that it hides, assumed to be
-// as many per triangle as for the others. The constants are an H200's, of lists by foliage, the other two fitted to
-// runs with and without a map. At 1920x1080 the rule takes the faster of the two in all of 15 views.
+// as many per triangle as for the others. A reference costs what it costs in foliage on an H200; the other two
+// constants are fitted to runs there with and without a map (docs/notebook/experiments.md).
 bool map_was_worth_drawing(const FrameCounters& counted) {
     constexpr double us_per_point = 25e-6, us_per_reference = 82e-6, us_of_map = 40;
     const double listed = std::max(double(counted.survivors) - counted.edge_on - counted.hidden, 1.0);
